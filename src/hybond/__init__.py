@@ -305,7 +305,11 @@ def __getattr__(name: str) -> Any:
     if name in _ROOMS:
         return import_module(_ROOMS[name])
     if name not in _HOME:
-        raise AttributeError(f"module 'hybond' has no attribute {name!r}")
+        from hybond.names import did_you_mean
+
+        near = did_you_mean(name, __all__)
+        more = f"; try: {near}" if near.startswith("did") else ""
+        raise AttributeError(f"module 'hybond' has no attribute {name!r}{more}")
     value = getattr(import_module(_HOME[name]), _OTHER_NAME.get(name, name))
     globals()[name] = value
     return value

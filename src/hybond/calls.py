@@ -167,6 +167,16 @@ def fits(example: str, *, code: str = "HB-S130") -> Callable[[type[C]], type[C]]
     return decorate
 
 
+_ELSEWHERE = {
+    "until": ("t_end", "tend", "t_final", "tf", "t_max", "tmax", "t_stop", "stop_time", "end"),
+    "step": ("dt", "h", "step_size", "stepsize"),
+    "rtol": ("tol", "tolerance", "reltol", "rel_tol"),
+    "atol": ("abstol", "abs_tol"),
+    "solver": ("integrator",),
+}
+"""What others call arguments of runs, by what they are called here."""
+
+
 def _misfit(
     owner: str, signature: inspect.Signature, args: tuple[Any, ...], options: dict[str, Any]
 ) -> tuple[str, str]:
@@ -179,7 +189,9 @@ def _misfit(
     unknown = [n for n in options if n not in own]
     if unknown:
         known = [n for n, p in own.items() if p.kind is not p.POSITIONAL_ONLY]
-        return f"there is no argument {unknown[0]!r}", did_you_mean(unknown[0], known)
+        meant = next((n for n, words in _ELSEWHERE.items() if unknown[0] in words), "")
+        hint = f"it is named {meant!r} here." if meant in known else did_you_mean(unknown[0], known)
+        return f"there is no argument {unknown[0]!r}", hint
     given = len(args) - methods
     if given > len(positional):
         rest = [n for n, p in own.items() if p.kind is p.KEYWORD_ONLY]

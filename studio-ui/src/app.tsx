@@ -212,7 +212,7 @@ function Header({ store, state, errors }: { store: Store; state: State; errors: 
       <button class="narrow" aria-label="Panels" aria-pressed={state.panel === "side"} onClick={() => store.set({ panel: state.panel === "side" ? "" : "side" })}>☰</button>
       <button title="Undo (Ctrl+Z)" aria-label="Undo" disabled={!look.canUndo} onClick={store.undo}>↶</button>
       <button title="Redo (Ctrl+Y)" aria-label="Redo" disabled={!look.canRedo} onClick={store.redo}>↷</button>
-      <button class="wide" disabled={!look.view.editable || !look.view.nodes.length} title="Lay out anew; selected elements stay where they are" onClick={() => void store.ask("arrange", { keep: [...state.nodes] })}>Arrange</button>
+      <button class="wide" disabled={!look.view.editable || !look.view.nodes.length} title="Lay out anew; selected elements stay where they are" onClick={() => void store.arrange()}>Arrange</button>
       <button class="wide" aria-pressed={state.schematic} title="The schematic beside the bond graph" disabled={!state.schematic && !look.view.nodes.some((n) => n.kind === "part")} onClick={() => store.set({ schematic: !state.schematic })}>Schematic</button>
       {running ? (
         <>

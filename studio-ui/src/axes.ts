@@ -1,6 +1,6 @@
 /** Scales and ticks of the views of sweeps. No numbers of a sweep are computed here. */
 import type { AxisOf } from "./messages";
-import { number } from "./quantities";
+import { number, printed } from "./quantities";
 
 /** `a..b` of `a..b` and `a..b:11`, null of anything else. */
 export function span(values: string): string | null {
@@ -68,7 +68,7 @@ function decades(low: number, high: number, many: number): number[] {
 }
 
 export function named(name: string, unit: string): string {
-  return unit ? `${name} [${unit}]` : name;
+  return unit ? `${name} [${printed(unit)}]` : name;
 }
 
 export function said(v: number | null): string {

@@ -96,11 +96,11 @@ export class Canvas extends Component<Props, Own> {
     }
   }
 
-  /** A level that is opened is shown as a whole. */
+  /** A level that is opened, or laid out anew, is shown as a whole. */
   private fitOnce(): void {
     const look = this.props.state.look;
     if (!look) return;
-    const now = `${look.file}:${look.view.path}`;
+    const now = `${look.file}:${look.view.path}:${this.props.state.arranged}`;
     if (this.fitted !== now && look.view.nodes.length) {
       this.fitted = now;
       this.touched = false;

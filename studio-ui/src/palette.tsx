@@ -79,18 +79,50 @@ export function Palette({ store, state }: Props) {
   );
 }
 
+const NAME = /^[A-Za-z_]\w*$/;
+const SHOWN = 8;
+const NOWHERE = 5;
+
+/** How well a part is what is written: its name itself, how that begins, a part of it, what is said of it. */
+function rankOf(o: Offer, sought: string): number {
+  const name = o.letters.replaceAll("_", " ").toLowerCase();
+  const words = sought.replaceAll("_", " ");
+  if (name === words || o.key === sought) return 0;
+  if (name.startsWith(words)) return 1;
+  if (` ${name}`.includes(` ${words}`)) return 2;
+  if (`${o.key} ${name}`.includes(words)) return 3;
+  return o.about.toLowerCase().includes(words) ? 4 : NOWHERE;
+}
+
+/** The domain of the part that is selected, or was put down last; else that of the model. */
+function shelfOf(state: State): string {
+  const nodes = state.look?.view.nodes ?? [];
+  const parts = nodes.filter((n) => String(n.entry.submodel ?? "").includes("."));
+  const part = parts.find((n) => state.nodes.has(n.name)) ?? parts[parts.length - 1];
+  return part ? String(part.entry.submodel).split(".")[0] : (state.look?.view.domain ?? "");
+}
+
 /** Add by writing: "I", "R load 10 ohm", "diode", "v -> m". */
 export function QuickAdd({ store, state }: Props) {
   const [text, setText] = useState("");
+  const [chosen, choose] = useState(0);
   const { kinds, parts } = offers(state);
   const all = [...kinds, ...[...parts.values()].flat()];
   const [head, ...rest] = text.trim().split(/\s+/);
   const exact = kinds.find((o) => o.key === head);
+  // a part, too, may be given a name: "inertia flywheel"
+  const called = !exact && rest.length === 1 && NAME.test(rest[0]) && all.some((o) => o.letters === head);
+  const sought = (called ? head : text.trim()).toLowerCase();
+  const shelf = shelfOf(state);
   const found = text.includes("->")
     ? []
     : exact
       ? [exact, ...all.filter((o) => o !== exact && o.key.includes(head))]
-      : all.filter((o) => `${o.key} ${o.about}`.toLowerCase().includes(text.trim().toLowerCase()));
+      : all
+          .map((o) => ({ o, rank: 2 * rankOf(o, sought) - Number(o.key.startsWith(`${shelf}.`)) }))
+          .filter(({ rank }) => rank < 2 * NOWHERE - 1)
+          .sort((a, b) => a.rank - b.rank)
+          .map(({ o }) => o);
   const close = () => {
     document.querySelector<SVGSVGElement>(".canvas svg")?.focus();
     store.set({ adding: false });
@@ -100,16 +132,16 @@ export function QuickAdd({ store, state }: Props) {
       await store.edit({ do: "write bond", text: text.trim() });
       return close();
     }
-    const offer = found[0];
+    const offer = found[Math.min(chosen, found.length - 1)];
     if (!offer) return;
     let element = offer.element as Record<string, unknown>;
     let name = "";
     if (offer === exact && rest.length) {
       // a name is a word that is none of a value: "R load 10 ohm"
-      if (/^[A-Za-z_]\w*$/.test(rest[0])) name = rest.shift()!;
+      if (NAME.test(rest[0])) name = rest.shift()!;
       const value = rest.join(" ");
       if (value && !("junction" in element)) element = { [offer.key]: value };
-    }
+    } else if (called) name = rest[0];
     await store.add(element, name || offer.stem);
     close();
   };
@@ -120,17 +152,25 @@ export function QuickAdd({ store, state }: Props) {
         value={text}
         aria-label="What to add"
         placeholder="R load 10 ohm · diode · a -> b"
-        onInput={(e) => setText(e.currentTarget.value)}
+        onInput={(e) => {
+          setText(e.currentTarget.value);
+          choose(0);
+        }}
         onKeyDown={(e) => {
+          const step = { ArrowDown: 1, ArrowUp: -1 }[e.key];
+          if (step) {
+            choose(Math.max(0, Math.min(chosen + step, found.length - 1, SHOWN - 1)));
+            e.preventDefault();
+          }
           if (e.key === "Enter") void put();
           if (e.key === "Escape") close();
           e.stopPropagation();
         }}
       />
       <ul>
-        {found.slice(0, 8).map((o, k) => (
-          <li class={k === 0 ? "chosen" : ""}>
-            <b>{o.letters}</b> {o.about}
+        {found.slice(0, SHOWN).map((o, k) => (
+          <li class={k === chosen ? "chosen" : ""}>
+            <b>{o.letters}</b> {o.about}{o.key.includes(".") && <small> {o.key.split(".")[0]}</small>}
           </li>
         ))}
       </ul>

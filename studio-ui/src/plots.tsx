@@ -5,7 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Curve, Lane, RunSummary, SoFar } from "./messages";
 import { PhasePlane } from "./phase";
-import { quantity } from "./quantities";
+import { overTime, printed, quantity } from "./quantities";
 import type { State, Store } from "./store";
 
 const INKS = ["--c1", "--c2", "--c3", "--c4", "--c5", "--c6"];
@@ -307,7 +307,7 @@ class Trace extends Component<TraceProps> {
       c.lineTo(x + 4 * px, end - 7 * px * sign);
       c.stroke();
       if (impulses.length <= 12) {
-        const words = `${quantity(area, unit ? unit + "s" : "")} δ`;
+        const words = `${quantity(area, overTime(unit))} δ`;
         const room = x + 8 * px + c.measureText(words).width < left + width;
         c.textAlign = room ? "left" : "right";
         c.fillText(words, x + (room ? 6 : -6) * px, (zero + end) / 2);
@@ -357,7 +357,7 @@ function ticks(values: number[], unit: string): string[] {
   const scale = ([1e9, 1e6, 1e3, 1, 1e-3, 1e-6, 1e-9] as number[]).find((f) => most >= f) ?? 1e-12;
   const prefix = { 1e9: "G", 1e6: "M", 1e3: "k", 1: "", 1e-3: "m", 1e-6: "µ", 1e-9: "n", 1e-12: "p" }[scale] ?? "";
   const simple = /^[A-Za-zΩ]+$/.test(unit) && unit !== "kg";
-  return values.map((v) => (simple ? `${+(v / scale).toPrecision(5)} ${prefix}${unit}` : `${+v.toPrecision(5)} ${unit}`));
+  return values.map((v) => (simple ? `${+(v / scale).toPrecision(5)} ${prefix}${unit}` : `${+v.toPrecision(5)} ${printed(unit)}`));
 }
 
 const FILLS = ["var(--s0)", "var(--s1)", "var(--s2)", "var(--s3)", "var(--s4)", "var(--s5)", "var(--s6)", "var(--s7)"];

@@ -18,10 +18,20 @@ const PREFIXES: [number, string][] = [
   [1e-12, "p"],
 ];
 
+/** A unit as it is printed: N·m. */
+export function printed(unit: string): string {
+  return unit.replaceAll("*", "·");
+}
+
+/** The unit of an integral over time, as of an impulse: N*s of N, rad of rad/s. */
+export function overTime(unit: string): string {
+  return unit.endsWith("/s") ? unit.slice(0, -2) : unit && `${unit}*s`;
+}
+
 /** A value with an engineering prefix: 1.2 kV. */
 export function quantity(v: number | null, unit: string): string {
   if (v === null) return "—";
-  if (v === 0 || !/^[A-Za-zΩ]+$/.test(unit) || unit === "kg") return `${number(v)} ${unit}`.trim();
+  if (v === 0 || !/^[A-Za-zΩ]+$/.test(unit) || unit === "kg") return `${number(v)} ${printed(unit)}`.trim();
   const [factor, prefix] = PREFIXES.find(([f]) => Math.abs(v) >= f * (1 - 1e-9)) ?? PREFIXES[PREFIXES.length - 1];
   return `${+(v / factor).toPrecision(4)} ${prefix}${unit}`.trim();
 }

@@ -1,5 +1,6 @@
 /** All that the page knows, and what can be done with it. No drawing here. */
-import type { Choice, Cursor, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
+import type { Choice, Cursor, GraphNode, Instant, Look, Place, Problem, RunSummary, Member, PlanForm, PlanNow, SoFar, Stock, Swept } from "./messages";
+import { CELL, partFrame } from "./shapes";
 import { shared } from "./sharing";
 import { Refused, type Transport } from "./transport";
 
@@ -36,6 +37,8 @@ export interface State {
   plotted: string[];
   span: [number, number];
   adding: boolean;
+  /** How often the graph was laid out anew. */
+  arranged: number;
   bottom: boolean;
   panel: "" | "palette" | "side";
   dark: boolean | null;
@@ -74,6 +77,7 @@ const BEGIN: State = {
   plotted: [],
   span: [0, 1],
   adding: false,
+  arranged: 0,
   bottom: false,
   panel: "",
   dark: null,
@@ -82,6 +86,17 @@ const BEGIN: State = {
   schematic: false,
   room: { side: 340, low: 0 },
 };
+
+const ONE_PORTS = ["C", "I", "R", "G", "Se", "Sf"];
+
+/** Half the width of a part that is not yet there, in cells. */
+const PART = 0.9;
+
+/** Half the width of a node, in cells. */
+function broad(node: GraphNode): number {
+  const ports = node.ports ?? [];
+  return ports.length ? partFrame(node, ports.map((_, k) => "we"[k % 2]).join("")).half / CELL[0] : 0.3;
+}
 
 export class Store {
   state: State = BEGIN;
@@ -224,24 +239,40 @@ export class Store {
   undo = () => this.ask("undo");
   redo = () => this.ask("redo");
 
+  /** Lay out anew, and show all of it; selected elements stay where they are. */
+  async arrange(): Promise<void> {
+    if (await this.ask("arrange", { keep: [...this.state.nodes] })) this.set({ arranged: this.state.arranged + 1 });
+  }
+
   async add(element: object, stem: string, at?: [number, number]): Promise<void> {
     const before = new Set(this.state.look?.view.nodes.map((n) => n.name));
-    const place = at ?? this.freePlace();
+    const place = at ?? this.freePlace(element);
     const look = await this.edit({ do: "add", element, stem, at: place });
     const made = look?.view.nodes.find((n) => !before.has(n.name));
     if (made) this.set({ nodes: new Set([made.name]), bonds: new Set(), tab: "item" });
   }
 
-  /** A place beside what is selected, or beside the last node, where nothing stands. */
-  freePlace(): [number, number] {
+  /**
+   * A place where nothing stands, as a layout has it: inner nodes go on to the right of what is selected, or of
+   * the last node; one-ports hang above and below an inner node, sources stand at its left.
+   */
+  freePlace(element: object): [number, number] {
     const nodes = this.state.look?.view.nodes ?? [];
     if (!nodes.length) return [0, 0];
-    const chosen = nodes.find((n) => this.state.nodes.has(n.name)) ?? nodes[nodes.length - 1];
+    const kind = ONE_PORTS.find((k) => k in element);
+    const last = nodes.findIndex((n) => this.state.nodes.has(n.name));
+    const begun = nodes.slice(0, last < 0 ? nodes.length : last + 1);
+    const inner = begun.filter((n) => !ONE_PORTS.includes(n.kind));
+    const chosen = inner[inner.length - 1] ?? begun[begun.length - 1];
+    const part = "submodel" in element;
     const taken = (x: number, y: number) =>
-      nodes.some((n) => Math.abs(n.x - x) < 0.6 && Math.abs(n.y - y) < 0.6);
+      nodes.some((n) => Math.abs(n.x - x) < broad(n) + (part ? PART : 0.3) && Math.abs(n.y - y) < (n.ports?.length || part ? 0.9 : 0.6));
     const x0 = Math.round(chosen.x);
     const y0 = Math.round(chosen.y);
-    const near: [number, number][] = [[1, 0], [0, -1], [0, 1], [-1, 0], [1, -1], [1, 1], [2, 0]];
+    const west: [number, number][] = kind?.startsWith("S") ? [[-1, 0]] : [];
+    const hung: [number, number][] = kind && inner.length ? [...west, [0, -1], [0, 1]] : [];
+    const along: [number, number][] = part || broad(chosen) > 0.3 ? [[1, 0], [2, 0], [3, 0], [4, 0]] : [];
+    const near: [number, number][] = [...hung, ...along, [1, 0], [0, -1], [0, 1], [-1, 0], [1, -1], [1, 1], [2, 0]];
     for (const [dx, dy] of near) if (!taken(x0 + dx, y0 + dy)) return [x0 + dx, y0 + dy];
     for (let x = 3; ; x++) if (!taken(x0 + x, y0)) return [x0 + x, y0];
   }

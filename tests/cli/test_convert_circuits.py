@@ -75,7 +75,9 @@ def test_words_of_the_netlist_name_signals(shell: Any) -> None:
     half = NETLIST.replace("C1 out 0 100u\n", "").replace("D(IS=1e-14 RS=0.1)", "D(Ron=1u)")
     shell.file("half.cir", half.replace("40m uic", "{T}").replace(".model", ".param T=40m\n.model"))
     done = shell("measure", "half.cir", "mean(V(in,OUT))", "mean(v(out)*i(D1))", "--json")
-    values = [one["value"] for one in json.loads(done.out)["measures"].values()]
+    measures = json.loads(done.out)["measures"]
+    assert list(measures) == ["mean(V(in,OUT))", "mean(v(out)*i(D1))"]  # told as they were asked
+    values = [one["value"] for one in measures.values()]
     assert values == pytest.approx([-10 / math.pi, 100 / 50 / 4], rel=1e-4)
     done = shell("run", "half.cir", "--at", "5ms", "--signals", "v(out),i(V1)", "--json")
     samples = json.loads(done.out)["samples"]

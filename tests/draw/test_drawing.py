@@ -108,6 +108,29 @@ def test_legend_names_what_is_shown_only(build: Any, strokes: Any) -> None:
     assert [m.text for m in marks(drawing, "legend")] == ["derivative causality"]
 
 
+@pytest.mark.parametrize("bond", ["j -> spring", "spring -> j"])
+def test_the_legend_says_nothing_of_strokes_that_are_grey(
+    build: Any, strokes: Any, bond: str
+) -> None:
+    graph = build(
+        {"S": "Se", "j": "1", "spring": "C"},
+        ["S -> j", bond],
+        machines={"hook": {"off": [], "on": ["spring"]}},
+    )
+    given = strokes(graph, derivative=(0,))
+    for mode, said in ((0, []), (1, ["derivative causality"])):
+        legend = [m.text for m in marks(draw(graph, mode=(mode,), causality=given), "legend")]
+        assert [text for text in legend if "causality" in text] == said
+
+
+def test_a_title_that_fits_is_not_cut(build: Any) -> None:
+    title = "Half-wave rectifier with a smoothing capacitor"
+    for words in range(1, 7):
+        said = " ".join(title.split()[:words])
+        graph = build({"S": "Se", "j": "1", "m": "I"}, ["S -> j -> m"], title=said)
+        assert " ".join(m.text for m in marks(draw(graph), "title")) == said
+
+
 def test_derivative_and_conflict_and_dynamic_have_their_roles(build: Any, strokes: Any) -> None:
     graph = build({"S": "Se", "j": "1", "m": "I", "r": "R"}, ["S -> j -> m", "j -> r"])
     given = strokes(graph, derivative=(0,), conflicts=(SimpleNamespace(bonds=(0,)),))

@@ -388,7 +388,12 @@ def test_exports_refuse_what_a_run_calls(where: str) -> None:
     if where == "blocks.ctl":
         m = flywheel()
         m.block(ctl=hb.Block(failing, inputs={}, outputs=["u"], every=0.25))
-    for refused in (lambda: tables_of(m.flatten(), until=1.0), lambda: to_c(m, until=1.0)):
+    unsaid = [lambda to=to: hb.export(m, to=to) for to in ("c", "java", "fmu")]  # no end of the run
+    for refused in (
+        lambda: tables_of(m.flatten(), until=1.0),
+        lambda: to_c(m, until=1.0),
+        *unsaid,
+    ):
         with pytest.raises(hb.ModelError) as caught:
             refused()
         assert (caught.value.code, caught.value.where) == ("HB-E630", where)

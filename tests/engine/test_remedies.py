@@ -181,3 +181,31 @@ def test_a_law_whose_sign_makes_no_jump_is_no_dry_friction(law: str) -> None:
     assert caught.value.code == "HB-N301"
     assert "sign()" not in caught.value.hint
     assert "in series with r" in caught.value.hint
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("source", "joins", "end", "passes"),
+    [(hb.Sf("1 A"), hb.One, hb.Zero, "flow"), (hb.Se("1 V"), hb.Zero, hb.One, "effort")],
+)
+def test_what_nothing_is_joined_to_is_said_to_be_unjoined_and_not_shorted(
+    source: object, joins: type, end: type, passes: str, turned: bool
+) -> None:
+    part = hb.Model("part", domain="electrical")
+    part.add(source=source, i=joins(), port=end())
+    part.bond("source -> i", "port -> i" if turned else "i -> port")
+    part.port(port="port")
+    m = hb.Model("whole", domain="electrical")
+    m.add(part=hb.Submodel(part))
+    with pytest.raises(hb.HybondError) as refused:
+        hb.simulate(m, until=1.0)
+    assert refused.value.code == "HB-C101"
+    assert f"nothing is joined to part.port, so that no {passes} passes, but" in str(refused.value)
+    assert "shorted" not in str(refused.value)
+    assert refused.value.hint.startswith('join part.port: "part.port -> ..."')
+    (conflict,) = hb.causality(m).conflicts
+    assert "part.port (nothing else is joined to it)" in conflict
+    m.add(load=hb.R("1 ohm"))
+    m.bond("part.port -> load")
+    run = hb.simulate(m, until=1.0)
+    assert [abs(run[f"load.{v}"].at(0.5)) for v in "ef"] == [1.0, 1.0]

@@ -1,5 +1,5 @@
-/* A unit whose memory ends wherever it can, beside another one that runs on. UNIT names its source,
- * FMI is 2 or 3. Ends with 0 if every end of memory was told and all the rest went well.
+/* A unit whose memory ends wherever it can, beside another one that runs on. UNIT_FILE names its
+ * source, FMI_VERSION is 2 or 3. Ends with 0 if every end of memory was told and the rest went well.
  */
 #include <stdarg.h>
 #include <stdio.h>
@@ -17,20 +17,20 @@ static void *scarce(size_t n, size_t size)
     return calloc(n, size);
 }
 #define calloc scarce
-#include UNIT
+#include UNIT_FILE
 
 static long told_of_memory = 0;
 
-#if FMI == 2
-static void hear(void *environment, fmi2String name, fmi2Status status, fmi2String category,
-                 fmi2String text, ...)
+#if FMI_VERSION == 2
+static void hear(void *environment, const char *name, Status status, const char *category,
+                 const char *text, ...)
 {
     (void)environment, (void)category, (void)text;
     va_list rest;
     va_start(rest, text);
     told_of_memory += strcmp(va_arg(rest, const char *), "out of memory") == 0;
     va_end(rest);
-    if (strcmp(name, "unit") != 0 || status != fmi2Error) {
+    if (strcmp(name, "unit") != 0 || status != WRONG) {
         exit(4);
     }
 }
@@ -38,7 +38,7 @@ static void hear(void *environment, fmi2String name, fmi2Status status, fmi2Stri
 static void *make(void)
 {
     char name[] = "unit"; /* no longer there when the unit speaks */
-    fmi2CallbackFunctions calls = {0};
+    Callbacks calls = {0};
     calls.logger = hear;
     void *unit = fmi2Instantiate(name, 1, TOKEN, "", &calls, 0, 0);
     memset(name, 'x', sizeof name - 1);
@@ -47,31 +47,30 @@ static void *make(void)
 
 static bool begin_run(void *u)
 {
-    return fmi2SetupExperiment(u, 0, 0.0, 0.0, 0, 0.0) == fmi2OK
-           && fmi2EnterInitializationMode(u) == fmi2OK && fmi2ExitInitializationMode(u) == fmi2OK;
+    return fmi2SetupExperiment(u, 0, 0.0, 0.0, 0, 0.0) == FINE
+           && fmi2EnterInitializationMode(u) == FINE && fmi2ExitInitializationMode(u) == FINE;
 }
 
 static bool step_to(void *u, double t, double h)
 {
     double rate[9], z[99], x[9];
     const size_t n = FIRST_DERIVATIVE - FIRST_STATE;
-    fmi2Boolean event = 0, end = 0;
-    fmi2EventInfo info;
-    return fmi2DoStep(u, t, h, 1) == fmi2OK && fmi2GetContinuousStates(u, x, n) == fmi2OK
-           && fmi2SetContinuousStates(u, x, n) == fmi2OK && fmi2SetTime(u, t + h) == fmi2OK
-           && fmi2GetDerivatives(u, rate, n) == fmi2OK && fmi2GetEventIndicators(u, z, 0) == fmi2OK
-           && fmi2CompletedIntegratorStep(u, 1, &event, &end) == fmi2OK
-           && fmi2NewDiscreteStates(u, &info) == fmi2OK;
+    Boolean event = 0, end = 0;
+    EventInfo info;
+    return fmi2DoStep(u, t, h, 1) == FINE && fmi2GetContinuousStates(u, x, n) == FINE
+           && fmi2SetContinuousStates(u, x, n) == FINE && fmi2SetTime(u, t + h) == FINE
+           && fmi2GetDerivatives(u, rate, n) == FINE && fmi2GetEventIndicators(u, z, 0) == FINE
+           && fmi2CompletedIntegratorStep(u, 1, &event, &end) == FINE
+           && fmi2NewDiscreteStates(u, &info) == FINE;
 }
 #define RESET fmi2Reset
 #define FREE fmi2FreeInstance
-#define FINE_STATUS fmi2OK
 #else
-static void hear(void *environment, fmi3Status status, fmi3String category, fmi3String text)
+static void hear(void *environment, Status status, const char *category, const char *text)
 {
     (void)environment, (void)category;
     told_of_memory += strcmp(text, "out of memory") == 0;
-    if (status != fmi3Error) {
+    if (status != WRONG) {
         exit(4);
     }
 }
@@ -83,8 +82,8 @@ static void *make(void)
 
 static bool begin_run(void *u)
 {
-    return fmi3EnterInitializationMode(u, 0, 0.0, 0.0, 0, 0.0) == fmi3OK
-           && fmi3ExitInitializationMode(u) == fmi3OK;
+    return fmi3EnterInitializationMode(u, 0, 0.0, 0.0, 0, 0.0) == FINE
+           && fmi3ExitInitializationMode(u) == FINE;
 }
 
 static bool step_to(void *u, double t, double h)
@@ -92,17 +91,16 @@ static bool step_to(void *u, double t, double h)
     double rate[9], z[99], x[9], last = 0.0, next = 0.0;
     const size_t n = FIRST_DERIVATIVE - FIRST_STATE;
     bool a = false, b = false, c = false, d = false, e = false;
-    return fmi3DoStep(u, t, h, 1, &a, &b, &c, &last) == fmi3OK
-           && fmi3GetContinuousStates(u, x, n) == fmi3OK
-           && fmi3SetContinuousStates(u, x, n) == fmi3OK && fmi3SetTime(u, t + h) == fmi3OK
-           && fmi3GetContinuousStateDerivatives(u, rate, n) == fmi3OK
-           && fmi3GetEventIndicators(u, z, 0) == fmi3OK
-           && fmi3CompletedIntegratorStep(u, 1, &a, &b) == fmi3OK
-           && fmi3UpdateDiscreteStates(u, &a, &b, &c, &d, &e, &next) == fmi3OK;
+    return fmi3DoStep(u, t, h, 1, &a, &b, &c, &last) == FINE
+           && fmi3GetContinuousStates(u, x, n) == FINE
+           && fmi3SetContinuousStates(u, x, n) == FINE && fmi3SetTime(u, t + h) == FINE
+           && fmi3GetContinuousStateDerivatives(u, rate, n) == FINE
+           && fmi3GetEventIndicators(u, z, 0) == FINE
+           && fmi3CompletedIntegratorStep(u, 1, &a, &b) == FINE
+           && fmi3UpdateDiscreteStates(u, &a, &b, &c, &d, &e, &next) == FINE;
 }
 #define RESET fmi3Reset
 #define FREE fmi3FreeInstance
-#define FINE_STATUS fmi3OK
 #endif
 
 /* Make a unit, run it, begin anew, run it again; say whether all of that went well. */
@@ -117,14 +115,14 @@ static bool live(void)
         fine = step_to(u, 0.1 * k, 0.1);
     }
     if (fine) {
-        fine = RESET(u) == FINE_STATUS && begin_run(u) && step_to(u, 0.0, 0.7);
+        fine = RESET(u) == FINE && begin_run(u) && step_to(u, 0.0, 0.7);
     }
     if (!fine && step_to(u, 0.8, 0.1)) {
         exit(5); /* it went on without its memory */
     }
     if (!fine) { /* what there is again, it can begin with */
         left = -1;
-        if (RESET(u) != FINE_STATUS || !begin_run(u) || !step_to(u, 0.0, 0.1)) {
+        if (RESET(u) != FINE || !begin_run(u) || !step_to(u, 0.0, 0.1)) {
             exit(6);
         }
     }

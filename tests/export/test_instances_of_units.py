@@ -149,7 +149,7 @@ def test_the_end_of_memory_is_told(fmi: str, tmp_path: Path) -> None:
         (name,) = (n for n in archive.namelist() if n.endswith(".c"))
         (tmp_path / "unit.c").write_bytes(archive.read(name))
     flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", *needs.sanitizers()]
-    flags += [f"-DFMI={fmi[0]}", f'-DUNIT="{tmp_path / "unit.c"}"']
+    flags += [f"-DFMI_VERSION={fmi[0]}", f'-DUNIT_FILE="{tmp_path / "unit.c"}"']
     program = tmp_path / "memory"
     subprocess.run([*(needs.STRICT or []), *flags, "-o", program, HARNESS, "-lm"], check=True)
     done = subprocess.run([program], capture_output=True, text=True, check=False)

@@ -133,7 +133,7 @@ WRONG = [
     ),
     (H + "[graph]\nbonds = 'a -> b'", "HB-F112", ":3: graph.bonds", "where a list is needed", ""),
     (H + "[graph]\nbonds = [\n'a -> b',\n3]", "HB-F112", ":5: graph.bonds[1]", "the number 3", ""),
-    (H + "[signals]\nh = 3", "HB-F112", ":3: signals.h", "text or a table", ""),
+    (H + "[signals]\nh = true", "HB-F112", ":3: signals.h", "true, where", ""),
     (H + "[inputs]\nu = 5", "HB-F112", ":3: inputs.u", "where a table is needed", ""),
     (H + "[inputs]\nu = { table = [] }", "HB-F112", ":3: inputs.u.table", "length >= 1", ""),
     (

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import hybond as hb
 from hybond.files import dumps, from_data, load, loads, save, to_data
 from hybond.files.edit import same
 from hybond.files.schema import ELEMENTS
@@ -219,3 +220,22 @@ def test_numbers_stay_what_they_are(value: Any) -> None:
     for format in ("toml", "json"):
         found = to_data(loads(dumps(from_data(data), format=format), format=format))
         assert same(found, data)
+
+
+@pytest.mark.parametrize("number", [1, 2.5, -1e-3])
+@pytest.mark.parametrize("form", ["toml", "json"])
+def test_a_signal_may_be_a_plain_number(number: float, form: str) -> None:
+    text = 'hybond = 1\n[elements]\nS = { Se = "2*cap" }\nr = { R = 1 }\n'
+    text += f'[graph]\nbonds = ["S -> r"]\n[signals]\ncap = {number}\n'
+    read = hb.loads(text)
+    made = hb.Model("made")
+    made.add(S=hb.Se("2*cap"), r=hb.R(1))
+    made.bond("S -> r")
+    made.signal(cap=number)
+    for model in (read, made):
+        again = hb.loads(hb.dumps(model, format=form), format=form)
+        assert again.signals == {"cap": number}
+        assert hb.simulate(again, until=1.0)["r.f"].at(0.5) == 2 * number
+        assert f"cap={number!r}" in hb.export(again, to="python")
+        for to in ("modelica", "latex"):
+            assert "cap" in hb.export(again, to=to)

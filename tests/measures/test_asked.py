@@ -75,6 +75,29 @@ def test_waves_as_text(waves: hb.Result) -> None:
     assert list(found)[:3] == list(texts)
 
 
+def test_the_value_at_a_time_and_at_the_end_is_a_measurement(discharge: hb.Result) -> None:
+    found = discharge.measure("final(c.e)", "at(c.e, 500 ms)", "at(2*c.e, t=1, side=left)")
+    wanted = [10 * math.exp(-3.0), 10 * math.exp(-0.5), 20 * math.exp(-1.0)]
+    assert [float(v) for v in found.values()] == pytest.approx(wanted, rel=1e-7)
+    assert [v.t for v in found.values()] == [3.0, 0.5, 1.0]
+    assert [v.unit for v in found.values()] == ["V"] * 3
+
+
+def test_a_jump_has_a_value_on_either_side() -> None:
+    m = hb.Model("pulse", domain="electrical")
+    m.add(V=hb.Se("u"), r=hb.R("1 ohm"), i=hb.One())
+    m.bond("V -> i -> r")
+    m.input(u=hb.Input(table=[(0, 0), (1, 5)]))
+    run = hb.simulate(m, until=2.0)
+    found = run.measure("at(u, 1)", "at(u, 1, side=left)")
+    assert [(float(v), v.side) for v in found.values()] == [(5.0, ""), (0.0, "left")]
+
+
+def test_functions_are_listed_without_a_model(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["measure", "--list"]) == 0
+    assert capsys.readouterr().out.startswith("final ")
+
+
 @pytest.mark.parametrize(
     ("text", "code", "hint"),
     [
@@ -88,6 +111,12 @@ def test_waves_as_text(waves: hb.Result) -> None:
         ("meen(c.e)", "HB-R121", "'mean'"),
         ("mean(c.e, perod=1)", "HB-R121", "'period'"),
         ("mean(c.u)", "HB-S109", "c.e"),
+        ("at(c.e)", "HB-R120", "at(c.e, 1 ms)"),
+        ("at(c.e, 1 V)", "HB-R101", "'2 ms'"),
+        ("at(c.e, 4 s)", "HB-S110", "within"),
+        ("at(c.e, 1 s, side=up)", "HB-S110", "left or right"),
+        ("final(c.e, 1)", "HB-R120", "final(L.f)"),
+        ("final(c.e, t=1)", "HB-R121", "leave it out"),
         ("__import__('os')", "HB-R121", ""),
     ],
 )

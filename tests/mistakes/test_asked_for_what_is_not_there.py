@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from pathlib import Path
 
 import pytest
 
@@ -78,3 +79,36 @@ def test_a_rule_that_leads_back_to_its_state_is_refused() -> None:
     with pytest.raises(hb.ModelError, match="HB-M145") as caught:
         model.flatten()
     assert "leave it out" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("zero", "'Zero'"), ("Sweep", "'sweep'"), ("simulat", "'simulate'")]
+)
+def test_a_name_that_the_package_has_not_is_told_with_what_is_meant(name: str, meant: str) -> None:
+    with pytest.raises(AttributeError, match="did you mean") as caught:
+        getattr(hb, name)
+    assert meant in str(caught.value)
+    assert not hasattr(hb, "_repr_nothing_")
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [("t_end", "until"), ("dt", "step"), ("tol", "rtol"), ("integrator", "solver")],
+)
+def test_arguments_of_runs_in_words_of_elsewhere(word: str, meant: str) -> None:
+    with pytest.raises(hb.UsageError, match="HB-S130") as caught:
+        hb.simulate(discharge(), **{word: 1})
+    assert f"it is named {meant!r} here" in caught.value.hint
+
+
+def test_a_mode_of_a_model_without_machines_has_a_remedy() -> None:
+    with pytest.raises(hb.ModelError, match="HB-M144") as caught:
+        discharge().draw(mode={"S": "on"})
+    assert "no machines" in caught.value.hint
+
+
+def test_a_suffix_with_a_slip_is_told_with_the_file_that_is_there(tmp_path: Path) -> None:
+    hb.save(discharge(), tmp_path / "rc.toml")
+    with pytest.raises(hb.FileError, match="HB-F102") as caught:
+        hb.load(tmp_path / "rc.tml")
+    assert caught.value.hint == f"did you mean {tmp_path / 'rc.toml'}?"

@@ -46,6 +46,40 @@ def test_some_times_a_torque_is_a_torque_and_its_work_is_none(text: str, unit: s
     assert hb.simulate(m, until=1)["asked"].unit == unit
 
 
+@pytest.mark.parametrize("bond", ["drive -> w", "w -> drive"])
+@pytest.mark.parametrize(
+    ("given", "kind", "law", "unit"),
+    [
+        ("2 N*m", "Se", "u", "N*m"),
+        ("2 N*m", "Se", "-2*u + brake", "N*m"),
+        ("2 N*m", "Se", "if time < 1 then u else brake", "N*m"),
+        ("3 rad/s", "Sf", "u", "rad/s"),
+        ("2 N*m", "Se", "u*w.f/(1 [rad/s])", "J"),
+    ],
+)
+def test_an_input_is_what_the_source_gives_that_it_drives(
+    bond: str, given: str, kind: str, law: str, unit: str
+) -> None:
+    m = hb.Model("shaft", domain="rotational", parameters={"brake": "1 N*m"})
+    m.add(drive=getattr(hb, kind)(law), w=hb.One(), r=hb.R("1 N*m*s"), J=hb.I("1 kg*m^2"))
+    m.bond(bond, "w -> r", *(["w -> J"] if kind == "Se" else []))
+    m.input(u=given)
+    if kind == "Sf":
+        del m.elements["J"]
+    assert hb.simulate(m, until="1 s")["u"].unit == unit
+
+
+def test_a_set_point_is_in_the_unit_of_what_it_is_compared_with() -> None:
+    m = hb.Model("shaft", domain="rotational")
+    m.add(drive=hb.Se("gain*error"), w=hb.One(), J=hb.I("1 kg*m^2"))
+    m.bond("drive -> w -> J")
+    m.parameter(gain="1 N*m*s")
+    m.input(wanted="3 rad/s", heat="2 J", clock="2 1/s")
+    m.signal(error="wanted - w.f", warm="heat*2")
+    run = hb.simulate(m, until="1 s")
+    assert [run[n].unit for n in ("wanted", "heat", "clock")] == ["rad/s", "J", "1/s"]
+
+
 def drive(**signals: object) -> hb.Model:
     """Return a voltage `u` made of the speed of a rotor, that ends at 0.05 rad/s after 1 s."""
     m = hb.Model("drive", domain="electrical")

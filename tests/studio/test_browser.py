@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -220,6 +221,50 @@ def test_by_keyboard_alone(desk: Any, serve: Callable[[str], str], tmp_path: Pat
     page.until(lambda: page.all(".events .status.ok"), "it ran")
     data = tomllib.loads((tmp_path / "keys.toml").read_text())
     assert data["elements"]["coil"] == {"I": "0.5"}
+    # one-ports hang above and below the junction, not in one row that bonds would run through
+    assert data["layout"] == {"Se": [0, 0], "j": [1, 0], "coil": [1, -1], "r": [1, 1]}
+
+
+def test_a_part_is_found_by_its_name_on_the_shelf_in_use_and_given_one(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    page = Page(desk, serve("parts.toml"))
+    for words in ("inertia flywheel", "damper", "frame"):
+        page.keys("a")
+        page.until(lambda: page.one(".quick input"), "the box")
+        page.keys(words)
+        page.until(lambda: page.all(".quick li"), "what is offered")
+        page.keys(Keys.ENTER)
+        page.until(lambda: not page.all(".quick"), words)
+    data = tomllib.loads((tmp_path / "parts.toml").read_text())
+    assert data["elements"] == {
+        "flywheel": {"submodel": "rotational.inertia"},
+        "damper": {"submodel": "rotational.damper"},
+        "frame": {"submodel": "rotational.frame"},
+    }
+    boxes = [frame.rect for frame in page.all("[data-node] rect.frame")]
+    edges = sorted((box["x"], box["x"] + box["width"]) for box in boxes)
+    assert len(edges) == 3
+    assert all(one[1] < other[0] for one, other in itertools.pairwise(edges)), "no part on another"
+
+
+def test_what_is_laid_out_anew_is_shown_as_a_whole(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    text = "hybond = 1\n[elements]\nS = { Se = 1 }\nj = { junction = 1 }\nm = { I = 1 }\n"
+    text += '[graph]\nbonds = ["S -> j -> m"]\n[layout]\nS = [0, 0]\nj = [20, 0]\nm = [40, 0]\n'
+    (tmp_path / "wide.toml").write_text(text)
+    page = Page(desk, serve("wide.toml"))
+    page.until(lambda: page.one('[data-text="j -> m"]'), "it is open")
+    boxes = "[data-node] .letters"
+    before = [b.rect["height"] for b in page.all(boxes)]
+    next(b for b in page.all("button") if b.text == "Arrange").click()
+    page.until(lambda: page.all(boxes)[0].rect["height"] > 2 * before[0], "it fills the canvas")
+    edge = page.one("svg.canvas, .canvas svg").rect
+    for box in (b.rect for b in page.all(boxes)):
+        assert edge["x"] < box["x"] < edge["x"] + edge["width"] - box["width"]
 
 
 def test_by_touch_on_a_telephone(serve: Callable[[str], str], tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from hybond.causality.record import Causality, Conflict, Origin
 from hybond.errors import CausalityError
 from hybond.model.graph import FlatGraph, Mode, Node
@@ -99,6 +101,8 @@ def conflict_error(graph: FlatGraph, mode: Mode, conflict: Conflict) -> Causalit
     ]
     if pinned:
         hint = f"take the pin of {pinned[0]!r} away"
+    elif unjoined(graph, conflict):
+        hint = join(unjoined(graph, conflict))
     elif conflict.kind == "over":
         ends = (graph.nodes[origin.node] for origin in (conflict.origin_a, conflict.origin_b))
         hint = "put a resistor between " + " and ".join(_title(end) for end in ends)
@@ -112,6 +116,36 @@ def conflict_error(graph: FlatGraph, mode: Mode, conflict: Conflict) -> Causalit
         where=node.path + (f" in mode ({setting})" if setting else ""),
         hint=hint,
     )
+
+
+def unjoined(graph: FlatGraph, conflict: Conflict) -> list[Node]:
+    """Return the ports of parts that a conflict is with since nothing is joined to them.
+
+    These are junctions in a part with one bond: nothing passes there. One of the model itself may
+    stand there to say so.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> from hybond.causality.assign import assign
+    >>> part = hb.Model("supply")
+    >>> part.add(S=hb.Sf(1), j=hb.One(), out=hb.Zero())
+    >>> part.bond("S -> j -> out")
+    >>> m = hb.Model("open_circuit")
+    >>> m.add(supply=hb.Submodel(part))
+    >>> graph = m.flatten()
+    >>> (conflict,) = assign(graph, graph.start_mode).conflicts
+    >>> [node.path for node in unjoined(graph, conflict)]
+    ['supply.out']
+    """
+    origins = [o for o in (conflict.origin_a, conflict.origin_b) if o.rule == "zero"]
+    ends = (graph.nodes[o.node] for o in origins)
+    return [n for n in ends if n.is_junction and "." in n.path]
+
+
+def join(nodes: Iterable[Node]) -> str:
+    """Return the remedy for junctions that nothing else is joined to."""
+    return "join " + " and ".join(f'{n.path}: "{n.path} -> ..."' for n in dict.fromkeys(nodes))
 
 
 def reason(graph: FlatGraph, causality: Causality, bond: int) -> str:
@@ -172,7 +206,7 @@ def _forcing(graph: FlatGraph, origin: Origin) -> str:
         case "off":
             return f"OFF {title}"
         case "zero" if graph.nodes[origin.node].is_junction:
-            return f"{title} (it has one bond)"
+            return f"{title} (nothing else is joined to it)"
         case "zero":
             return f"{title} (its value is zero)"
         case "pin":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from hybond.cli.lists import check_experiment, run_until
@@ -16,11 +17,10 @@ from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import HybondError, UsageError
-from hybond.measures.asked import FUNCTIONS, Asked, asked_of_experiment, read_measure
+from hybond.measures.asked import Asked, asked_of_experiment, read_measure
 from hybond.measures.losses import Losses
 from hybond.measures.naming import read_name
 from hybond.model.graph import FlatGraph
-from hybond.names import in_columns
 from hybond.result import Result
 
 _OF_LOSSES = ("power", "depth", "start", "end", "period", "periods", "plot", "sankey")
@@ -28,9 +28,6 @@ _OF_LOSSES = ("power", "depth", "start", "end", "period", "periods", "plot", "sa
 
 def measure(given: Namespace) -> int:
     """Simulate; print measurements and losses, or one JSON object."""
-    if given.list:
-        say("\n".join(in_columns((name, line) for name, (_, _, line) in FUNCTIONS.items())))
-        return 0
     _check(given)
     plot = check_target(given.plot, PICTURES, "--plot")
     sankey = check_target(given.sankey, PICTURES, "--sankey")
@@ -38,6 +35,8 @@ def measure(given: Namespace) -> int:
     graph = flatten_with(model, given.settings)
     check_experiment(graph)
     asked = wanted(graph, in_words_of(conversion, given.measures))
+    if given.measures:  # told as it was asked for
+        asked = [replace(a, text=t.strip()) for a, t in zip(asked, given.measures, strict=True)]
     if not asked and not given.losses:
         raise UsageError(
             "nothing is to be measured",

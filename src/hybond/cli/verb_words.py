@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import Action, ArgumentParser, Namespace
 from typing import Any
 
 from hybond.cli.shared_words import (
@@ -16,6 +16,8 @@ from hybond.cli.shared_words import (
     solver_words,
     workers_word,
 )
+from hybond.cli.streams import say
+from hybond.names import in_columns
 
 PLOTS = ("bode", "nyquist", "step", "poles")
 SWITCHES = ("collect", "sample", "estimate", "cluster", "runs")
@@ -182,6 +184,18 @@ def analyse_words(verb: Verb, verbs: Any) -> ArgumentParser:
     return parser
 
 
+class _Functions(Action):
+    """Lists what can be measured, as ``--help`` helps: no model is needed."""
+
+    def __call__(self, parser: ArgumentParser, *_: object) -> None:
+        """Print the list."""
+        from hybond.measures.asked import FUNCTIONS
+
+        lines = in_columns((name, line) for name, (_, _, line) in FUNCTIONS.items())
+        say("\n".join(lines))
+        parser.exit()
+
+
 def measure_words(verb: Verb, verbs: Any) -> ArgumentParser:
     """Add ``hybond measure``."""
     parser = verb(
@@ -214,7 +228,7 @@ def measure_words(verb: Verb, verbs: Any) -> ArgumentParser:
     parser.add_argument("--periods", metavar="N", type=int, help="of --losses: or so many of them")
     parser.add_argument("--plot", metavar="FILE", help="of --losses: plot them over time")
     parser.add_argument("--sankey", metavar="FILE", help="of --losses: draw who gave and who took")
-    parser.add_argument("--list", action="store_true", help="list the functions")
+    parser.add_argument("--list", action=_Functions, nargs=0, help="list the functions")
     json_word(parser)
     return parser
 

@@ -32,8 +32,9 @@ _THOROUGH = 110
 """Number of nodes up to which the search is thorough."""
 _LARGE = 320
 """Beyond, only the first placement is made."""
-_TRIES = {Board: 3, Streets: 6}
-"""Searches for a picture without a flaw."""
+_TRIES = 6
+_PINNED_TRIES = {Board: 3, Streets: 6}
+"""Searches for a picture without a flaw; fewer where one is asked for at each edit."""
 _EFFORT = {Board: 400, Streets: 150}
 """Moves tried for each node: with straight bonds few of them are worth it."""
 _VAIN = 3
@@ -233,7 +234,7 @@ def arranged(
     crowded = sum(max(0, len(n) - 4) for n in near)  # bonds that have no side of their own
     best: tuple[int, B] | None = None
     found = 0
-    most = _TRIES[kind]
+    most = _PINNED_TRIES[kind] if fixed else _TRIES
     tries = max(2, min(most, most * 40 // size)) if small else 1
     for attempt in range(tries):
         board = _begun(kind, kinds, bonds, fixed, groups, seed, attempt)

@@ -43,7 +43,9 @@ def entries(sketches: Sequence[Sketch]) -> list[Entry]:
     arrows = [a for s in sketches for a in s.arrows]
     symbols = [n for s in sketches for n in s.symbols]
     several = any(a.dashed or a.emphasis for a in arrows)
-    derivative = any(_solid_late(a) for a in arrows)
+    # what is OFF is grey, its strokes as well
+    derivative = any(_solid_late(a) and not a.off for a in arrows)
+    derivative |= any(n.derivative and not n.off for n in symbols)
     derivative_elsewhere = any(end in a.late for a in arrows for end in a.dashed)
     causal = any(a.strokes for a in arrows)
     found = []

@@ -106,7 +106,10 @@ def wrapped(
     lines: list[str] = []
     rest = text
     while rest:
-        if fits(rest) or len(lines) == most - 1:
+        if fits(rest):
+            lines.append(rest)
+            break
+        if len(lines) == most - 1:
             lines.append(shorten(rest, size * (1.1 if bold else 1.0), room))
             break
         end = 0

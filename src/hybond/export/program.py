@@ -8,6 +8,7 @@ from functools import lru_cache
 
 from hybond.engine.compiled.sources import ENGINE, portable_paths
 from hybond.engine.tables import ModelTables
+from hybond.engine.tables.calls import refuse_calls
 from hybond.engine.tables.slotted import slotted_tables
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
 from hybond.export.identifiers import distinct, slot_name, spoken
@@ -149,6 +150,7 @@ def exported(
 
     `prepared` is done to its flat graph first.
     """
+    refuse_calls(model.flatten())  # before what is only not said yet, such as the end of the run
     found = slotted_tables(model, prepared, options)
     graph, tables = found.graph, found.tables
     names = Names(found)

@@ -208,8 +208,8 @@ def _element(part: Part | SubmodelPart, shared: Mapping[int, str]) -> str:
     return flat(f"hb.{part.kind}", [literal(part.value)], options)
 
 
-def _signal(signal: str | Integral | Sampled) -> str:
-    if isinstance(signal, str):
+def _signal(signal: str | float | Integral | Sampled) -> str:
+    if not isinstance(signal, Integral | Sampled):
         return literal(signal)
     start = {} if repr(signal.start) == "0.0" else {"start": literal(signal.start)}
     if isinstance(signal, Integral):

@@ -66,7 +66,7 @@ def read_model(data: dict[str, Any], place: Place, reading: Reading, name: str) 
     for key, value in data.get("signals", {}).items():
         _name(model, key, place / "signals" / key, array=True)
         model.signals[key] = (
-            value if isinstance(value, str) else _dynamic(value, place / "signals" / key)
+            _dynamic(value, place / "signals" / key) if isinstance(value, dict) else value
         )
     for key, value in data.get("inputs", {}).items():
         _name(model, key, place / "inputs" / key, array=True)

@@ -150,8 +150,8 @@ def _element(part: Any, path: Path, models: _Models) -> dict[str, Any]:
     return {part.kind: part.value, **part.options}
 
 
-def _signal(signal: str | Integral | Sampled) -> Any:
-    if isinstance(signal, str):
+def _signal(signal: str | float | Integral | Sampled) -> Any:
+    if not isinstance(signal, Integral | Sampled):
         return signal
     start = {} if repr(signal.start) == "0.0" else {"start": signal.start}
     if isinstance(signal, Integral):
@@ -166,7 +166,7 @@ def _input(given: InputPart, path: Path) -> dict[str, Any]:
             "a Python function cannot be written to a model file",
             path,
             "HB-F110",
-            "give the input as a table: InputPart(table=[(0, 0), (1, 5)], linear=True)",
+            "give the input as a table: hb.Input(table=[(0, 0), (1, 5)], linear=True)",
         )
     data: dict[str, Any] = {}
     if given.constant is not None:

@@ -67,9 +67,9 @@ def format_of(path: Path) -> Format:
     if suffix == ".json":
         return "json"
     hint = "model files end in .toml or .json"
-    if not suffix and path.name:
+    if path.name:
         for ending in (".toml", ".json"):
-            if path.with_suffix(ending).is_file():
+            if suffix not in CIRCUITS + BOND_GRAPHS and path.with_suffix(ending).is_file():
                 hint = f"did you mean {path.with_suffix(ending)}?"
     if suffix in CIRCUITS + BOND_GRAPHS:
         hint = f"make a model of it first: hybond convert {path.name} {path.stem}.toml"

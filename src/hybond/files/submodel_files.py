@@ -150,7 +150,9 @@ class Reading:
             text = read_text(path, name)
         except FileError as error:
             if error.code == "HB-F101":
-                raise place.refuse(error.why, code=error.code, hint=f"it is {path}") from None
+                near = f"; {error.hint}" if error.hint.startswith("did you") else ""
+                hint = f"it is looked for at {path}{near}"
+                raise place.refuse(error.why, code=error.code, hint=hint) from None
             raise
         source = Source(name, text, format_of(path))
         data = parse(source)

@@ -41,7 +41,9 @@ def explain(text: str, at: int, message: str) -> tuple[str, str]:
         if mark in outside:
             return f"{mark} is not a quote of TOML", 'write straight quotes: "..."'
     if "overwrite" in low or "duplicate" in low:
-        key = _key(line, here)
+        # of a whole statement it is the key in front, whatever its value holds
+        ended = not line[here:].split("#", 1)[0].strip()
+        key = _key(line, _first(line) + 1 if ended and "overwrite" in low else here)
         return f"the key {quoted(key)} is there twice", "rename one of them, or take one out"
     if "declare" in low:
         name = line.strip().strip("[]").strip()
@@ -160,6 +162,11 @@ def _value_start(line: str, here: int) -> int | None:
         return None
     at = equals + 1
     return at + len(line[at:]) - len(line[at:].lstrip())
+
+
+def _first(line: str) -> int:
+    """Return where the first = stands, outside of texts."""
+    return _STRING.sub(lambda m: "s" * len(m[0]), line).find("=")
 
 
 def _key(line: str, here: int) -> str:

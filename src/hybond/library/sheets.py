@@ -11,7 +11,6 @@ from hybond.model.graph import FlatGraph
 from hybond.model.parts import InputPart, Integral, Sampled
 from hybond.model.unit_words import unit_of
 from hybond.records import dataclass
-from hybond.units import Dimension
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +69,7 @@ def sheet(name: str) -> Sheet:
     text = SHELVES.joinpath(*name.split(".")).with_suffix(".toml").read_text(encoding="utf-8")
     graph = model.flatten()
     said = _comments(text)
-    units = {given.path: _unit(given.dimension) for given in graph.inputs}
+    units = {given.path: unit_of(Name(f"u:{given.index}"), graph) for given in graph.inputs}
     units |= {path: unit_of(tree, graph) for path, tree in graph.signals.items()}
     units |= {s.path: unit_of(Name(f"s:{s.index}"), graph) for s in graph.integrals}
 
@@ -119,11 +118,6 @@ def _expression(signal: Any) -> str:
 
 def _written(value: Any) -> str:
     return value if isinstance(value, str) else f"{value:g}"
-
-
-def _unit(dimension: Dimension | None) -> str:
-    text = "" if dimension is None else str(dimension)
-    return "" if text == "1" else text
 
 
 def _comments(text: str) -> Mapping[tuple[str, str], str]:

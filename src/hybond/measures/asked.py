@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from hybond.errors import HybondError, ModelError, UsageError
 from hybond.measures.naming import read_name
 from hybond.measures.value import About, Measurement
-from hybond.measures.window import window_of
+from hybond.measures.window import time_of, window_of
 from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
 from hybond.records import dataclass
@@ -78,6 +78,23 @@ def _ripple(name: str) -> Make:
     return make
 
 
+def _final(signal: Signal, options: dict[str, Any]) -> Measurement:
+    return _at(signal, {"t": signal.run.t_end})
+
+
+def _at(signal: Signal, options: dict[str, Any]) -> Measurement:
+    if "t" not in options:
+        raise UsageError(
+            f"at({signal.name}) does not say when",
+            code="HB-R120",
+            where=f"at({signal.name})",
+            hint=f"at({signal.name}, 1 ms)",
+        )
+    t, side = time_of(options["t"], f"at({signal.name})"), options.get("side", "right")
+    value = signal.at(t, side=side)
+    return Measurement(value, About(signal.unit, t, t, t, "left" if side == "left" else ""))
+
+
 def _about(signal: Signal, unit: str, options: dict[str, Any]) -> About:
     """Return over which window something was measured that does not say so itself."""
     asked = {k: v for k, v in options.items() if k in ("start", "end", "period", "periods")}
@@ -86,6 +103,8 @@ def _about(signal: Signal, unit: str, options: dict[str, Any]) -> About:
 
 
 FUNCTIONS: Mapping[str, tuple[Make, tuple[str, ...], str]] = {
+    "final": (_final, (), "the value where the run ended"),
+    "at": (_at, ("t", "side"), "the value at a time t, after what happened there"),
     "mean": (_method("mean"), _PERIODS, "the mean, impulses included"),
     "rms": (_method("rms"), (*_PERIODS, "impulses"), "the root of the mean square"),
     "max": (_method("max"), (*_PERIODS, "impulses"), "the maximum of the motion"),
@@ -106,7 +125,7 @@ FUNCTIONS: Mapping[str, tuple[Make, tuple[str, ...], str]] = {
 }
 """Each with what makes it, the arguments it takes, and a line that says what it is."""
 
-SECOND = {"thd": "f", "frequency": "level", "period": "level", "duty": "level"}
+SECOND = {"at": "t", "thd": "f", "frequency": "level", "period": "level", "duty": "level"}
 """Arguments that may come second without a name."""
 
 _CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*\Z", re.DOTALL)
@@ -162,8 +181,9 @@ def read_measure(text: str, *, where: str = "measure") -> Asked:
     """
     match = _CALL.match(text) if isinstance(text, str) else None
     if match is None:
+        is_open = isinstance(text, str) and text.count("(") > text.count(")")
         raise UsageError(
-            f"{text!r} is no measurement",
+            f"a parenthesis in {text!r} is left open" if is_open else f"{text!r} is no measurement",
             code="HB-R120",
             where=where,
             hint="such as mean(L.f) or rms(out.e, period=20 us, periods=5)",
@@ -196,14 +216,14 @@ def read_measure(text: str, *, where: str = "measure") -> Asked:
                 f"{word!r} in {text.strip()!r} has no name",
                 code="HB-R120",
                 where=where,
-                hint=f"KEY=VALUE; {name} takes {', '.join(takes)}",
+                hint=f"KEY=VALUE; {name} takes {', '.join(takes)}" if takes else f"{name}(L.f)",
             )
         if key not in takes:
             raise UsageError(
                 f"{name} has no argument {key!r}",
                 code="HB-R121",
                 where=where,
-                hint=did_you_mean(key, takes),
+                hint=did_you_mean(key, takes) if takes else f"leave it out: {name}({words[0]})",
             )
         if key in options:
             raise UsageError(
@@ -217,7 +237,7 @@ def read_measure(text: str, *, where: str = "measure") -> Asked:
 
 
 _NUMBERS = ("tolerance", "band", "low", "high")
-_WORDS = ("impulses", "edge")
+_WORDS = ("impulses", "edge", "side")
 
 
 def _value(key: str, text: str, where: str) -> Any:

@@ -85,7 +85,7 @@ class Model(Asked):
         self.parameters: dict[str, Value] = dict(parameters or {})
         self.elements: dict[str, Part | SubmodelPart] = {}
         self.bonds: list[str] = []
-        self.signals: dict[str, str | Integral | Sampled] = {}
+        self.signals: dict[str, str | float | Integral | Sampled] = {}
         self.inputs: dict[str, InputPart] = {}
         self.machines: dict[str, MachinePart] = {}
         self.blocks: dict[str, BlockPart] = {}
@@ -166,9 +166,9 @@ class Model(Asked):
     @called('m.signal(power="v.f*F.e")')
     def signal(
         self,
-        arrays: Mapping[str, str | Integral | Sampled] | None = None,
+        arrays: Mapping[str, str | float | Integral | Sampled] | None = None,
         /,
-        **signals: str | Integral | Sampled,
+        **signals: str | float | Integral | Sampled,
     ) -> None:
         """Add signals: an expression, an `Integral`, or what is `Sampled`; arrays in a mapping."""
         for name, signal in _named(arrays, signals, "signals", 'm.signal(power="v.f*F.e")'):

@@ -173,7 +173,9 @@ def instead_of(name: str, known: list[str]) -> str:
     try:
         parse_unit(name)
     except UnitError:
-        return hint
+        if hint.startswith("did you") or not name.isidentifier():
+            return hint
+        return f"{hint}; a value of its own is declared under parameters" if hint else ""
     brackets = f"if {name!r} is a unit, it stands in brackets: 2 [{_COMPOUND.get(name, name)}]"
     return f"{hint}; {brackets}" if hint else brackets
 

@@ -348,7 +348,8 @@ class FlatGraph:
                     f"{path!r} has no state {state!r}" if machine else f"no machine {path!r}",
                     code="HB-M144",
                     where=path,
-                    hint=did_you_mean(state if machine is not None else path, known),
+                    hint=did_you_mean(state if machine is not None else path, known)
+                    or "the model has no machines: it has one mode, which is the one without any",
                 )
             found[machine.index] = machine.states.index(state)
         return tuple(found)

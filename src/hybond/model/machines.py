@@ -131,6 +131,16 @@ def with_laws_of_junctions(
     return tuple(found)
 
 
+def _meant(text: object) -> str:
+    """Return a rule as it may be meant, with one of the words that others write for `when`."""
+    parts = re.match(
+        r"\s*(\w+)\s*-+>\s*(\w+)\s*(?:if|on|at|where|,|:|\[)\s*(.+?)\]?\s*\Z", str(text)
+    )
+    if parts is None or not isinstance(text, str):
+        return "closed -> open when time >= t_off"
+    return f"{parts[1]} -> {parts[2]} when {parts[3]}"
+
+
 def _rule(
     text: str,
     states: tuple[str, ...],
@@ -145,7 +155,7 @@ def _rule(
             f"{text!r} is not a rule",
             code="HB-M145",
             where=where,
-            hint='write "closed -> open when time >= t_off"',
+            hint=f'write "{_meant(text)}"',
         )
     for name in match.group(1, 2):
         if name not in states:

@@ -1,19 +1,24 @@
 """The unit of a signal in the words of its domain: a torque is in N*m, not in J.
 
 Dimensions do not tell torque from energy or an angle from a number. A bond does, and what is added
-to a torque, or is the larger of two, or a number of times a torque, is a torque as well.
+to a torque, or is the larger of two, or a number of times a torque, is a torque as well. An input
+is what the sources give that it drives, and what it is added to or compared with.
 """
 
 from __future__ import annotations
 
 from hybond.model.dimensions import RATED, infer_dimension
 from hybond.model.expressions import Expr, Name
-from hybond.model.expressions.tree import Binary, Call, If, Neg, Number, Pre
+from hybond.model.expressions.tree import Binary, Call, Compare, If, Neg, Number, Pre, walk
 from hybond.model.graph import FlatGraph
-from hybond.units import DIMENSIONLESS
+from hybond.model.kinds import SOURCES
+from hybond.units import DIMENSIONLESS, parse_unit
 
 _KEEP = ("abs", "min", "max", "hypot")
 """Functions whose value is of the kind of their arguments."""
+
+_SHARED = tuple(parse_unit(unit)[1] for unit in ("N*m", "rad/s"))
+"""Dimensions that torques and angular velocities share with energies and rates."""
 
 
 def unit_of(e: Expr, graph: FlatGraph) -> str:
@@ -37,7 +42,8 @@ def unit_of(e: Expr, graph: FlatGraph) -> str:
 def _word(e: Expr, graph: FlatGraph, within: frozenset[int]) -> str | None:
     """Return the word that all terms agree on; empty if they do not, None for a number.
 
-    `within` are the integrals in whose rates this stands: one that reads itself says nothing.
+    `within` are the integrals in whose rates this stands, and inputs by -1 less their numbers: one
+    that reads itself says nothing.
     """
     match e:
         case Number(_, dimension):
@@ -84,8 +90,48 @@ def _of_name(path: str, graph: FlatGraph, within: frozenset[int]) -> str | None:
             return None
         rate = _word(graph.integrals[k].rate, graph, within | {k})
         return "rad" if rate == "rad/s" else ""
+    if kind == "u":
+        return _of_input(int(index), graph, within)
     if kind == "x":
         storage = graph.storages[int(index)]
         turns = storage.kind == "C" and graph.bonds[storage.bond].domain.flow_unit == "rad/s"
         return "rad" if turns else ""
     return ""
+
+
+def _of_input(k: int, graph: FlatGraph, within: frozenset[int]) -> str | None:
+    """Return the word of an input: of all sources it is a term of, and terms it stands beside."""
+    if -1 - k in within:
+        return None
+    if graph.inputs[k].dimension not in _SHARED:
+        return ""
+    name, within = f"u:{k}", within | {-1 - k}
+    words: set[str | None] = set()
+    for node in graph.nodes:
+        if node.kind in SOURCES and node.law and _is_term(name, node.law.expressions[0], graph):
+            words.add(_of_name(f"{node.law.output}:{node.ends[0].bond}", graph, within))
+    for tree in (*graph.signals.values(), *(i.rate for i in graph.integrals)):
+        for e, _ in walk(tree):
+            if isinstance(e, Compare) or (isinstance(e, Binary) and e.op in ("+", "-")):
+                sides = (e.left, e.right)
+                if any(_is_term(name, side, graph) for side in sides):
+                    words.add(_common(sides, graph, within))
+    # a gain of 1 in some unit is gone from a law: what stands there alone may have another one
+    said = {w for w in words if w and parse_unit(w)[1] == graph.inputs[k].dimension}
+    return next(iter(said), "") if len(said) < 2 else ""
+
+
+def _is_term(name: str, e: Expr, graph: FlatGraph) -> bool:
+    """Whether a name alone is an expression, one of its terms, or that times a bare number."""
+    match e:
+        case Name(path):
+            return path == name
+        case Neg(arg) | Pre(arg):
+            return _is_term(name, arg, graph)
+        case Binary("+" | "-", left, right) | If(_, left, right):
+            return _is_term(name, left, graph) or _is_term(name, right, graph)
+        case Call(function, args) if function in _KEEP:
+            return any(_is_term(name, arg, graph) for arg in args)
+        case Binary("*", Number(_, None), arg) | Binary("*" | "/", arg, Number(_, None)):
+            return _is_term(name, arg, graph)
+    return False

@@ -59,7 +59,7 @@ def ends_of(nodes: list[RawNode], bonds: list[RawBond]) -> list[tuple[End, ...]]
                 f"the bond {bond.name!r} joins a node to itself",
                 code="HB-M132",
                 where=bond.where,
-                hint="power needs somewhere to go",
+                hint="bond it to another node, or take the bond out",
             )
         touching[bond.tail].append((k, False, bond.tail_port))
         touching[bond.head].append((k, True, bond.head_port))
@@ -97,7 +97,9 @@ def _ports(
             f"{node.kind} {node.path!r} has {len(found)} bonds: {names}",
             code="HB-M130",
             where=node.path,
-            hint="put a junction between"
+            hint="take one of them out"
+            if len({(bonds[b].tail, bonds[b].head) for b, _, _ in found}) == 1
+            else "put a junction between"
             + ("" if about.most == 1 else f", or number the ports: {node.path}.1"),
         )
     return _numbered(node, found, bonds, len(found))

@@ -253,10 +253,10 @@ def offered(model: Model, graph: FlatGraph) -> dict[str, Any]:
         "paths": paths[:ROWS],
         "values": {p: around(v) for p in paths[:ROWS] if (v := _now(model, p)) is not None},
         "ways": WAYS,
-        "collectors": {**COLLECTORS, **{k: f"{k}(x): {v[2]}" for k, v in FUNCTIONS.items()}},
+        "collectors": {**{k: f"{k}(x): {v[2]}" for k, v in FUNCTIONS.items()}, **COLLECTORS},
         "words": [
             *WORDS,
-            *(f"{name}(" for name in (*COLLECTORS, *FUNCTIONS) if name not in WORDS),
+            *(f"{name}(" for name in {**COLLECTORS, **FUNCTIONS} if name not in WORDS),
             *names_of(graph)[:ROWS],
             *("events", *(m.path for m in graph.machines), *states, *switched),
         ],

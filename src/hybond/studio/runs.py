@@ -79,7 +79,9 @@ class Running:
 def _plotted(run: Result) -> list[str]:
     asked = run.graph.experiment.get("plot")
     names = [n for n in asked if isinstance(n, str)] if isinstance(asked, list | tuple) else []
-    return names or run.names[:3]
+    # the flow of a coil and its flux are one curve: the flow is what is looked at
+    stored = {s.path for s in run.graph.storages}
+    return names or [n for n in run.names if n not in stored][:3]
 
 
 class Runs:

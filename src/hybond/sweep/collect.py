@@ -22,8 +22,8 @@ from hybond.names import did_you_mean, is_number
 from hybond.records import dataclass
 
 COLLECTORS: Mapping[str, str] = {
-    "final": "final(x): the value where the run ended",
-    "at": "at(x, 1 ms): the value at a time, after what happened there",
+    "final": f"final(x): {FUNCTIONS['final'][2]}",
+    "at": f"at(x, 1 ms): {FUNCTIONS['at'][2]}",
     "curve": "curve(x, 101): values at so many even times, 0 and the end among them",
     "count": "count(events), the start included; count(M): how often machine M changed its state",
     "mode_time": "mode_time(M.s): how long machine M was in its state s; junctions: x.on, x.off",
@@ -32,7 +32,8 @@ COLLECTORS: Mapping[str, str] = {
     "mode": "mode: the states of all machines where the run ended",
     "sequence": "sequence: the modes one after the other",
 }
-"""Each with how it is written and what it is."""
+"""Each with how it is written and what it is; those that are measurements, too, are read together
+for all runs."""
 
 WORDS = ("ended", "mode", "sequence")
 """Those that are given nothing, and are texts."""
@@ -128,7 +129,7 @@ def _collector(graph: FlatGraph, text: str) -> Collector:
             where="collect",
             hint=did_you_mean(name, [*COLLECTORS, *FUNCTIONS]),
         )
-    if name in FUNCTIONS:
+    if name not in COLLECTORS:
         measure = read_measure(text, where="collect")
         read_name(graph, measure.signal)
         return Collector(text, name, measure.signal, measure=measure)

@@ -182,8 +182,8 @@ def _machine(part: MachinePart, change: Callable[[str], str]) -> MachinePart:
 
 
 def _signal(
-    signal: str | Integral | Sampled, change: Callable[[str], str]
-) -> str | Integral | Sampled:
+    signal: str | float | Integral | Sampled, change: Callable[[str], str]
+) -> str | float | Integral | Sampled:
     if isinstance(signal, Integral):
         return replace(signal, rate=_value(signal.rate, change))
     if isinstance(signal, Sampled):

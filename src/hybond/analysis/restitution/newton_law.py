@@ -299,8 +299,8 @@ def _texts(model: Model) -> list[tuple[str, str]]:
             case Sampled():
                 text = signal.value
             case _:
-                text = signal
-        found.append((f"signals.{name}", str(text)))
+                text = str(signal)
+        found.append((f"signals.{name}", text))
     for name, machine in model.machines.items():
         found += [(f"machines.{name}.rules[{k}]", str(r)) for k, r in enumerate(machine.rules)]
     for name, part in model.elements.items():

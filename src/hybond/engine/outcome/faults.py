@@ -53,8 +53,8 @@ HINTS = {
     "tolerances",
     "HB-N202": "look for a division by zero, a root or logarithm of a negative number, or an "
     "overflow in the laws that feed this state",
-    "HB-N203": "look for what drives it there: a law that grows like exp() or sinh() under a flow "
-    "that is given, or a state that nothing holds",
+    "HB-N203": "look for what drives it there: a negative resistance (hybond check names it), a "
+    "law that grows like exp() or sinh() under a flow that is given, or a state that nothing holds",
     "HB-N301": "look whether these laws can give what is asked of them; check them for jumps",
     "HB-N302": "look for a division by zero, a root of a negative number or a table that ends",
     "HB-N303": "a controlled source opposes them, or storage is missing where one is closed",

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
+from hybond.causality.record import Conflict
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.sides import machine_instead
@@ -88,11 +89,16 @@ def said_of(refusal: Refusal, graph: FlatGraph, explain: Explaining, mode: Mode)
     return words(Case(refusal, graph, explain, mode))
 
 
-def _conflicts(graph: FlatGraph, mode: Mode) -> list[str]:
+def _conflicts(graph: FlatGraph, mode: Mode) -> tuple[Conflict, ...]:
     from hybond.causality.assign import assign
+
+    return assign(graph, mode).conflicts
+
+
+def _in_words(graph: FlatGraph, mode: Mode, conflicts: Iterable[Conflict]) -> str:
     from hybond.causality.explain import describe_conflict
 
-    return [describe_conflict(graph, mode, c) for c in assign(graph, mode).conflicts]
+    return " ".join(describe_conflict(graph, mode, c) for c in conflicts)
 
 
 def _base_mode(graph: FlatGraph, mode: Mode) -> Mode:
@@ -102,18 +108,26 @@ def _base_mode(graph: FlatGraph, mode: Mode) -> Mode:
 
 
 def _sources(c: Case) -> Said:
+    from hybond.causality.explain import join, unjoined
     from hybond.engine.outcome.remedies import against_conflict
 
     mode, (difference, *pairs) = c.given_mode()
     columns = sorted(zip(pairs[::2], pairs[1::2], strict=True))
     nodes = [c.graph.nodes[int(node)] for _, node in columns]
     names = " and ".join(f"{n.kind} {n.path}" for n in nodes)
-    if len(nodes) == 1:
+    conflicts = _conflicts(c.graph, mode)
+    ends = [n for conflict in conflicts for n in unjoined(c.graph, conflict)]
+    if len(nodes) == 1 and ends:
+        path, passes = ends[0].path, "flow" if ends[0].kind == "0" else "effort"
+        why = f"nothing is joined to {path}, so that no {passes} passes"
+        why += f", but {names} gives {difference:.6g} there"
+    elif len(nodes) == 1:
         why = f"{names} is shorted or cut off by what holds zero, but gives {difference:.6g} there"
     else:
         why = f"{names} prescribe the same variable and differ by {difference:.6g}"
-    chains = " ".join(_conflicts(c.graph, mode))
+    chains = _in_words(c.graph, mode, conflicts)
     hint = against_conflict(nodes, "; switches: " in chains)
+    hint = f"{join(ends)}; or {hint}" if ends else hint
     return Said(f"{why} {c.now}. {chains}".removesuffix(". "), c.graph.mode_text(mode), hint)
 
 
@@ -176,10 +190,10 @@ def _no_branches(c: Case) -> Said:
     laws = [ports[k] for k in taking] or ports
     names = c.paths(laws)
     base = _base_mode(c.graph, c.mode)
-    opposed = _conflicts(c.graph, base)
+    opposed = _in_words(c.graph, base, _conflicts(c.graph, base))
     what = "finite values" if finite else "impulses"
     none = "have no solution" if c.refusal.code == "HB-J110" else NOT_FOUND
-    why = " ".join([f"the {what} of {names} {none} {c.now}.", *opposed])
+    why = f"the {what} of {names} {none} {c.now}. {opposed}".removesuffix(" ")
     hint = against_no_branches(c.graph, base, laws) if c.refusal.code == "HB-J110" else ""
     return Said(why.rstrip("."), c.here, hint)
 

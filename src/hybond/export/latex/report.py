@@ -267,7 +267,7 @@ def _signals(model: Model) -> Iterator[str]:
         elif isinstance(signal, Sampled):
             rows.append((name, "sampled", f"{signal.value}, every {signal.every}"))
         else:
-            rows.append((name, "signal", signal))
+            rows.append((name, "signal", str(signal)))
     rows += [(name, "input", _input(given)) for name, given in model.inputs.items()]
     if rows:
         yield from _table("p{0.2}p{0.12}p{0.6}", ("name", "", "is"), rows)

@@ -21,7 +21,7 @@ from hybond.model.expressions import (
     transform,
 )
 from hybond.model.graph import FlatGraph
-from hybond.model.parts import Integral, Sampled, SubmodelPart
+from hybond.model.parts import Integral, SubmodelPart
 from hybond.names import join
 
 
@@ -40,7 +40,7 @@ class Live:
         self.written = {
             path: s.rate if isinstance(s, Integral) else s
             for path, s in model.signals.items()
-            if not isinstance(s, Sampled)
+            if isinstance(s, str | Integral)
         }
         self.rates = {i.path for i in graph.integrals if i.path in model.signals}
         self.watches = {f"at:{w.index}": w.compare for w in graph.watches}

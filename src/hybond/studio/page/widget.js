@@ -130,14 +130,14 @@ function ne(t) {
 	};
 }
 function re(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
+	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, F = n.type;
 	if (n.constructor !== u) return null;
 	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof I == "function") {
+	n: if (typeof F == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = F.prototype) && p.render, k = (p = F.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new F(E, A) : (n.__c = y = new S(E, A), y.constructor = F, y.render = se), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), F.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, F.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !F.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
@@ -146,7 +146,7 @@ function re(t, n, r, i, a, o, s, c, l, d) {
 				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			} else D && !F.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
 			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
 			do
 				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
@@ -244,10 +244,10 @@ function oe(t, n, r) {
 	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
 	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function F(e, t, n) {
+function se(e, t, n) {
 	return this.constructor(e, n);
 }
-function I(t, n) {
+function F(t, n) {
 	var r, i, a, o;
 	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
 }
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var se = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], ce = 5.5, le = 35 * Math.PI / 180;
-function ue(e, t) {
+var ce = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], le = 5.5, ue = 35 * Math.PI / 180;
+function de(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function ue(e, t) {
 		y1: e.y1 + t
 	};
 }
-function de(e, [t, n]) {
+function fe(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function de(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function fe(e, t) {
+function pe(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function pe(e, t, n, r, i = 0) {
+function me(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = pe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = fe(de(e, le), [u, d]), p = fe(de(t, le), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ue), S = b * Math.sin(ue);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function me(e, t) {
+function he(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = pe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function _e(e, t, n = !1) {
+var ge = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), _e = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function ve(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) ge.has(t) ? r += .42 : _e.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var ve = .73;
-function ye(e, t, [n, r]) {
-	let i = Math.max(_e(e, 19, !0) / 2, 6);
+var ye = .73;
+function be(e, t, [n, r]) {
+	let i = Math.max(ve(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - ve * 19 / 2 - 1,
+		y0: r - ye * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + ve * 19 / 2 + (t ? 3 : 1)
+		y1: r + ye * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? ue(a, 2) : a;
+	return t ? de(a, 2) : a;
 }
-function be(e, t) {
+function xe(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,13 +354,13 @@ function be(e, t) {
 	return n;
 }
 // src/quantities.ts
-function xe(e, t = 4) {
+function Se(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Se = [
+var Ce = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -370,14 +370,20 @@ var Se = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function L(e, t) {
+function I(e) {
+	return e.replaceAll("*", "·");
+}
+function L(e) {
+	return e.endsWith("/s") ? e.slice(0, -2) : e && `${e}*s`;
+}
+function R(e, t) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${xe(e)} ${t}`.trim();
-	let [n, r] = Se.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Se[Se.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Se(e)} ${I(t)}`.trim();
+	let [n, r] = Ce.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ce[Ce.length - 1];
 	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var R = Symbol.for("pv"), Ce = 0;
+var we = Symbol.for("pv"), Te = 0;
 Array.isArray;
 function z(t, n, r, i, a, o) {
 	n ||= {};
@@ -393,27 +399,27 @@ function z(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: R,
-		__v: --Ce,
+		constructor: we,
+		__v: --Te,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var we = [100, 84];
-function Te(e, t) {
-	return [e * we[0], t * we[1]];
-}
-var Ee = 18;
+var Ee = [100, 84];
 function De(e, t) {
+	return [e * Ee[0], t * Ee[1]];
+}
+var Oe = 18;
+function ke(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Oe(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Ee / 2 : 0, l = o ? c - 15 : 4;
+function Ae(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ve(e, 9))), a = (e) => r(e).reduce((e, t) => e + ve(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ve(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Oe / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -422,8 +428,8 @@ function Oe(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function ke(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Oe(e, t), o = /* @__PURE__ */ new Map(), s = {
+function je(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Ae(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -431,16 +437,16 @@ function ke(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Ee]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Oe]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function Ae(e, t, n, r = "") {
+function Me(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Oe(e, r);
+		let { half: t, top: i, bottom: a } = Ae(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -448,11 +454,11 @@ function Ae(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return ye(e.letters, t, n);
+	return be(e.letters, t, n);
 }
-function je(e, t, n, r, i = "") {
+function Ne(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(se(t).length + 1), a = ke(e, i).get(n);
+		let n = t.slice(ce(t).length + 1), a = je(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -463,15 +469,15 @@ function je(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, Ae(e, n, r, i)];
+	return [r, Me(e, n, r, i)];
 }
-var Me = ([[e, t], [n, r]]) => ({
+var Pe = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Ne(e, t) {
+function Fe(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
 		x: n,
@@ -483,16 +489,16 @@ function Ne(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function Pe(e, t) {
+function Ie(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Fe = class extends S {
+var Le = class extends S {
 	shouldComponentUpdate(e) {
-		return Pe(e, this.props);
+		return Ie(e, this.props);
 	}
 	render(e) {
-		let [t, n] = je(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = je(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		let [t, n] = Ne(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ne(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = me(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
 		return /* @__PURE__ */ z("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
@@ -500,30 +506,30 @@ var Fe = class extends S {
 			children: [
 				/* @__PURE__ */ z("line", {
 					class: "reach",
-					...Me([a.tail, a.head])
+					...Pe([a.tail, a.head])
 				}),
 				e.flow !== 0 && /* @__PURE__ */ z("line", {
 					class: "power",
-					...Me(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Pe(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
 				/* @__PURE__ */ z("line", {
 					class: "line",
-					...Me([a.tail, a.head])
+					...Pe([a.tail, a.head])
 				}),
 				/* @__PURE__ */ z("line", {
 					class: "line barb",
-					...Me(a.barb)
+					...Pe(a.barb)
 				}),
 				o?.strokes.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Me(me(a, e))
+					...Pe(he(a, e))
 				})),
 				o?.dashed?.map((e) => /* @__PURE__ */ z("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Me(me(a, e))
+					...Pe(he(a, e))
 				})),
 				o?.conflict && /* @__PURE__ */ z("path", {
 					class: "cross",
@@ -531,18 +537,18 @@ var Fe = class extends S {
 				}),
 				e.effort && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("text", {
 					class: "value",
-					...Ne(a, 1),
+					...Fe(a, 1),
 					children: e.effort
 				}), /* @__PURE__ */ z("text", {
 					class: "value",
-					...Ne(a, -1),
+					...Fe(a, -1),
 					children: e.rate
 				})] })
 			]
 		});
 	}
 };
-function Ie(e, t, n) {
+function Re(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -557,7 +563,7 @@ function Ie(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Le(e, t, n) {
+function ze(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -589,12 +595,12 @@ function Le(e, t, n) {
 		anchor: "start"
 	};
 }
-var Re = class extends S {
+var Be = class extends S {
 	shouldComponentUpdate(e) {
-		return Pe(e, this.props);
+		return Ie(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Ae(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Me(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -615,7 +621,7 @@ var Re = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Le(e, i, s.length), l = ve * 19 / 2, u = Oe(t, e.ports);
+		], c = ze(e, i, s.length), l = ye * 19 / 2, u = Ae(t, e.ports);
 		return /* @__PURE__ */ z("g", {
 			class: a,
 			"data-node": t.name,
@@ -636,7 +642,7 @@ var Re = class extends S {
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...ke(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
+					[...je(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
@@ -652,7 +658,7 @@ var Re = class extends S {
 								r: 3
 							}),
 							/* @__PURE__ */ z("text", {
-								...Ie(e.ports[a], r, i),
+								...Re(e.ports[a], r, i),
 								children: n
 							})
 						]
@@ -682,7 +688,7 @@ var Re = class extends S {
 					}),
 					r && /* @__PURE__ */ z("text", {
 						class: "subscript",
-						x: _e(t.letters, 19, !0) / 2 - 3.5,
+						x: ve(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
@@ -715,17 +721,17 @@ var Re = class extends S {
 			]
 		});
 	}
-}, ze = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
-function Be({ state: e, sight: t, gesture: n, moved: r }) {
+}, Ve = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
+function He({ state: e, sight: t, gesture: n, moved: r }) {
 	let i = e.look, a = e.cursor?.strokes ?? i.strokes, o = n?.kind === "drag" ? new Set(n.names) : null, s = /* @__PURE__ */ new Map(), c = /* @__PURE__ */ new Map();
 	for (let e of i.view.nodes) {
-		let [t, n] = Te(e.x, e.y);
+		let [t, n] = De(e.x, e.y);
 		s.set(e.name, o?.has(e.name) ? [t + r[0], n + r[1]] : [t, n]), c.set(e.name, e);
 	}
 	let l = (e) => a.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), u = /* @__PURE__ */ new Map(), d = /* @__PURE__ */ new Map();
 	for (let e of i.view.bonds) {
 		u.has(e.tail) || u.set(e.tail, []), u.has(e.head) || u.set(e.head, []), u.get(e.tail).push(s.get(e.head)), u.get(e.head).push(s.get(e.tail));
-		let t = ze(e.ends);
+		let t = Ve(e.ends);
 		d.set(t, [...d.get(t) ?? [], e.key]);
 	}
 	let f = /* @__PURE__ */ new Map();
@@ -742,13 +748,13 @@ function Be({ state: e, sight: t, gesture: n, moved: r }) {
 		f.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 	}
 	let p = /* @__PURE__ */ new Map();
-	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, De(e, f));
-	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? se(n.target) : "";
+	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, ke(e, f));
+	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? ce(n.target) : "";
 	return /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
 			id: "dots",
-			width: we[0] / 4,
-			height: we[1] / 4,
+			width: Ee[0] / 4,
+			height: Ee[1] / 4,
 			patternUnits: "userSpaceOnUse",
 			patternTransform: `translate(${t.x},${t.y}) scale(${t.k})`,
 			children: /* @__PURE__ */ z("circle", {
@@ -782,7 +788,7 @@ function Be({ state: e, sight: t, gesture: n, moved: r }) {
 				i.view.modulations.map((e) => {
 					let t = c.get(e.from), n = c.get(e.to);
 					if (!t || !n) return null;
-					let [r, i] = [s.get(e.from), s.get(e.to)], a = pe(Ae(t, l(t), r, m(t.name)), Ae(n, l(n), i, m(n.name)), r, i, 7);
+					let [r, i] = [s.get(e.from), s.get(e.to)], a = me(Me(t, l(t), r, m(t.name)), Me(n, l(n), i, m(n.name)), r, i, 7);
 					return /* @__PURE__ */ z("line", {
 						class: "signal",
 						x1: a.tail[0],
@@ -793,8 +799,8 @@ function Be({ state: e, sight: t, gesture: n, moved: r }) {
 					});
 				}),
 				/* @__PURE__ */ z("g", { children: i.view.bonds.map((n) => {
-					let [r, i] = [c.get(n.tail), c.get(n.head)], [o, u] = [s.get(n.tail), s.get(n.head)], f = d.get(ze(n.ends)), p = h?.[n.key];
-					return /* @__PURE__ */ z(Fe, {
+					let [r, i] = [c.get(n.tail), c.get(n.head)], [o, u] = [s.get(n.tail), s.get(n.head)], f = d.get(Ve(n.ends)), p = h?.[n.key];
+					return /* @__PURE__ */ z(Le, {
 						bond: n,
 						tail: r,
 						head: i,
@@ -809,12 +815,12 @@ function Be({ state: e, sight: t, gesture: n, moved: r }) {
 						shift: f.indexOf(n.key) - (f.length - 1) / 2,
 						drawn: a.bonds[n.key] ?? a.bonds[`${n.ends[0]} -> ${n.ends[1]}`],
 						selected: e.bonds.has(n.key),
-						effort: p && t.k > .6 ? L(p.e, p.units[0]) : "",
-						rate: p && t.k > .6 ? L(p.f, p.units[1]) : "",
+						effort: p && t.k > .6 ? R(p.e, p.units[0]) : "",
+						rate: p && t.k > .6 ? R(p.f, p.units[1]) : "",
 						flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / g : 0
 					}, n.key);
 				}) }),
-				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Re, {
+				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Be, {
 					node: t,
 					x: s.get(t.name)[0],
 					y: s.get(t.name)[1],
@@ -822,10 +828,10 @@ function Be({ state: e, sight: t, gesture: n, moved: r }) {
 					selected: e.nodes.has(t.name),
 					ports: m(t.name),
 					target: _ === t.name || e.bondFrom === t.name,
-					taken: [...be(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
+					taken: [...xe(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
 				}, t.name)) }),
-				n?.kind === "wire" && /* @__PURE__ */ z(He, {
-					from: Ve(n.from, c, s, p),
+				n?.kind === "wire" && /* @__PURE__ */ z(We, {
+					from: Ue(n.from, c, s, p),
 					to: n.now
 				}),
 				n?.kind === "box" && /* @__PURE__ */ z("rect", {
@@ -839,11 +845,11 @@ function Be({ state: e, sight: t, gesture: n, moved: r }) {
 		})
 	] });
 }
-function Ve(e, t, n, r) {
-	let i = se(e);
-	return je(t.get(i), e, !1, n.get(i), r.get(i))[0];
+function Ue(e, t, n, r) {
+	let i = ce(e);
+	return Ne(t.get(i), e, !1, n.get(i), r.get(i))[0];
 }
-function He({ from: e, to: t }) {
+function We({ from: e, to: t }) {
 	return /* @__PURE__ */ z("line", {
 		class: "wire",
 		x1: e[0],
@@ -853,7 +859,7 @@ function He({ from: e, to: t }) {
 	});
 }
 // src/overlays.tsx
-function Ue({ store: e, state: t }) {
+function Ge({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
 	return /* @__PURE__ */ z("div", {
 		class: "wiretext instant " + i.kind,
@@ -866,7 +872,7 @@ function Ue({ store: e, state: t }) {
 				children: "◂"
 			}),
 			"t = ",
-			L(n.t, "s"),
+			R(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
@@ -888,7 +894,7 @@ function Ue({ store: e, state: t }) {
 		]
 	});
 }
-function We(e, t, [n, r]) {
+function Ke(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -898,12 +904,12 @@ function We(e, t, [n, r]) {
 	}
 	return i;
 }
-function Ge({ state: e, sight: t, size: n }) {
+function qe({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / we[0],
-		y: -t.y / t.k / we[1]
+		x: -t.x / t.k / Ee[0],
+		y: -t.y / t.k / Ee[1]
 	};
 	return /* @__PURE__ */ z("svg", {
 		class: "minimap",
@@ -916,20 +922,20 @@ function Ge({ state: e, sight: t, size: n }) {
 		})), /* @__PURE__ */ z("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / we[0],
-			height: n[1] / t.k / we[1]
+			width: n[0] / t.k / Ee[0],
+			height: n[1] / t.k / Ee[1]
 		})]
 	});
 }
 // src/keys.ts
-var Ke = {
+var Je = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
 };
-function qe(e, t, n) {
-	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Ke[e.key];
+function Ye(e, t, n) {
+	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Je[e.key];
 	if (s && e.altKey && r.nodes.size) {
 		let a = e.shiftKey ? .25 : 1, o = {};
 		for (let e of i) r.nodes.has(e.name) && (o[e.name] = [e.x + a * s[0], e.y + a * s[1]]);
@@ -940,7 +946,7 @@ function qe(e, t, n) {
 	} else if (s && !a) {
 		let e = o ?? i[0];
 		if (!e) return;
-		let n = o ? We(i, o, s) : e;
+		let n = o ? Ke(i, o, s) : e;
 		n && t.set({
 			nodes: /* @__PURE__ */ new Set([n.name]),
 			bonds: /* @__PURE__ */ new Set(),
@@ -977,30 +983,30 @@ function qe(e, t, n) {
 	e.preventDefault();
 }
 // src/sight.ts
-var [Je, Ye] = [.05, 6];
-function Xe(e, t, n) {
+var [Xe, Ze] = [.05, 6];
+function Qe(e, t, n) {
 	if (!e.length || !t) return {
 		x: t / 2,
 		y: n / 2,
 		k: 1
 	};
-	let r = e.map((e) => e.x * we[0]), i = e.map((e) => e.y * we[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
+	let r = e.map((e) => e.x * Ee[0]), i = e.map((e) => e.y * Ee[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
 	return {
 		k: l,
 		x: t / 2 - l * (a + o) / 2,
 		y: n / 2 - l * (s + c) / 2
 	};
 }
-function Ze({ x: e, y: t, k: n }, r, [i, a]) {
-	let o = Math.max(Je, Math.min(Ye, n * r));
+function $e({ x: e, y: t, k: n }, r, [i, a]) {
+	let o = Math.max(Xe, Math.min(Ze, n * r));
 	return {
 		k: o,
 		x: i - (i - e) * o / n,
 		y: a - (a - t) * o / n
 	};
 }
-function Qe(e, [t, n], [r, i]) {
-	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Je, Math.min(Ye, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
+function et(e, [t, n], [r, i]) {
+	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Xe, Math.min(Ze, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
 	return {
 		k: s,
 		x: c - (u - e.x) * s / e.k,
@@ -1008,7 +1014,7 @@ function Qe(e, [t, n], [r, i]) {
 	};
 }
 // src/canvas.tsx
-var $e = class extends S {
+var tt = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1065,12 +1071,12 @@ var $e = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = Te(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = De(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = Te(i[0].x, i[0].y);
+				let [e, t] = De(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1082,19 +1088,19 @@ var $e = class extends S {
 	fitOnce() {
 		let e = this.props.state.look;
 		if (!e) return;
-		let t = `${e.file}:${e.view.path}`;
+		let t = `${e.file}:${e.view.path}:${this.props.state.arranged}`;
 		this.fitted !== t && e.view.nodes.length && (this.fitted = t, this.touched = !1, this.fit());
 	}
 	fit = () => {
 		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
 		if (!t) return;
 		let n = t.getBoundingClientRect();
-		this.setState({ sight: Xe(e, n.width, n.height) });
+		this.setState({ sight: Qe(e, n.width, n.height) });
 	};
 	zoom(e, t) {
 		this.touched = !0;
 		let n = this.svg.current.getBoundingClientRect();
-		this.setState({ sight: Ze(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
+		this.setState({ sight: $e(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
 	}
 	wheel = (e) => {
 		e.preventDefault();
@@ -1119,7 +1125,7 @@ var $e = class extends S {
 	under(e, t = "") {
 		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
 			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && se(e) !== t) return e;
+			if (e && ce(e) !== t) return e;
 			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
 			if (r && r !== t) return r;
 		}
@@ -1214,7 +1220,7 @@ var $e = class extends S {
 			if (t.kind === "pinch") {
 				let [e, r] = t.ids.map((e) => this.pointers.get(e));
 				this.setState({
-					sight: Qe(n, t.last, [e, r]),
+					sight: et(n, t.last, [e, r]),
 					gesture: {
 						...t,
 						last: [e, r]
@@ -1251,7 +1257,7 @@ var $e = class extends S {
 					now: this.inGraph(r)
 				} });
 				else if (t.kind === "wire") {
-					let n = this.under(e, se(t.from));
+					let n = this.under(e, ce(t.from));
 					this.setState({ gesture: {
 						...t,
 						now: this.inGraph(r),
@@ -1275,7 +1281,7 @@ var $e = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / we[0], r = e.y + n[1] / we[1];
+						let t = e.x + n[0] / Ee[0], r = e.y + n[1] / Ee[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1284,13 +1290,13 @@ var $e = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = Te(t.x, t.y);
+						let [r, i] = De(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
-					let n = this.under(e, se(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...et(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					let n = this.under(e, ce(t.from)) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...nt(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1321,13 +1327,13 @@ var $e = class extends S {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
-	key = (e) => qe(e, this.props.store, this);
+	key = (e) => Ye(e, this.props.store, this);
 	dropped = (e) => {
 		let t = e.dataTransfer?.getData("application/x-hybond");
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / we[0] * 4) / 4, Math.round(a / we[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / Ee[0] * 4) / 4, Math.round(a / Ee[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
@@ -1348,7 +1354,7 @@ var $e = class extends S {
 					onPointerCancel: this.up,
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
-					children: /* @__PURE__ */ z(Be, {
+					children: /* @__PURE__ */ z(He, {
 						state: e,
 						sight: n,
 						gesture: r,
@@ -1366,7 +1372,7 @@ var $e = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ z(Ue, {
+				e.instant && /* @__PURE__ */ z(Ge, {
 					store: t,
 					state: e
 				}),
@@ -1405,7 +1411,7 @@ var $e = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ z(Ge, {
+				/* @__PURE__ */ z(qe, {
 					state: e,
 					sight: n,
 					size: this.size
@@ -1432,32 +1438,32 @@ var $e = class extends S {
 			]
 		}) : /* @__PURE__ */ z("div", { class: "canvas" });
 	}
-}, et = (e, t) => [e[0] - t[0], e[1] - t[1]], tt, B, nt, rt, it = Object.is, at = 0, ot = [], st = [], V = e, ct = V.__b, lt = V.__r, ut = V.diffed, dt = V.__c, ft = V.unmount, pt = V.__;
-function mt(e, t) {
-	V.__h && V.__h(B, e, at || t), at = 0;
-	var n = B.__H || (B.__H = {
+}, nt = (e, t) => [e[0] - t[0], e[1] - t[1]], rt, it, at, ot, st = Object.is, ct = 0, lt = [], ut = [], B = e, dt = B.__b, ft = B.__r, pt = B.diffed, mt = B.__c, ht = B.unmount, gt = B.__;
+function _t(e, t) {
+	B.__h && B.__h(it, e, ct || t), ct = 0;
+	var n = it.__H || (it.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function H(e) {
-	return at = 1, ht(Et, e);
+function V(e) {
+	return ct = 1, vt(kt, e);
 }
-function ht(e, t, n) {
-	var r = mt(tt++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : Et(void 0, t), function(e) {
+function vt(e, t, n) {
+	var r = _t(rt++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : kt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		it(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = B, !B.__f)) {
-		B.__f = !0;
-		var i = B.shouldComponentUpdate;
-		B.shouldComponentUpdate = function(e, t, n) {
+		st(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = it, !it.__f)) {
+		it.__f = !0;
+		var i = it.shouldComponentUpdate;
+		it.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, it(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, st(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1467,67 +1473,67 @@ function ht(e, t, n) {
 	}
 	return r.__;
 }
-function gt(e, t) {
-	var n = mt(tt++, 3);
-	!V.__s && Tt(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
+function yt(e, t) {
+	var n = _t(rt++, 3);
+	!B.__s && Ot(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, it.__H.__h.push(n));
 }
-function _t(e) {
-	return at = 5, vt(function() {
+function bt(e) {
+	return ct = 5, xt(function() {
 		return { current: e };
 	}, []);
 }
-function vt(e, t) {
-	var n = mt(tt++, 7);
-	return Tt(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function xt(e, t) {
+	var n = _t(rt++, 7);
+	return Ot(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function yt() {
+function St() {
 	var e;
 	do {
-		for (; e = st.shift();) try {
-			Ct(e);
+		for (; e = ut.shift();) try {
+			Et(e);
 		} catch (t) {
-			V.__e(t, { __: (e = e.__P) && e.__v });
+			B.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = ot.shift();) {
+		for (; e = lt.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(Ct), t.__h.some(wt), t.__h = [];
+				t.__h.some(Et), t.__h.some(Dt), t.__h = [];
 			} catch (n) {
-				t.__h = [], V.__e(n, e.__v);
+				t.__h = [], B.__e(n, e.__v);
 			}
 		}
-	} while (st.length);
+	} while (ut.length);
 }
-V.__b = function(e) {
-	B = null, ct && ct(e);
-}, V.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), pt && pt(e, t);
-}, V.__r = function(e) {
-	lt && lt(e), tt = 0;
-	var t = (B = e.__c).__H;
-	t && (nt == B ? B.__h = [] : (t.__h.some(Ct), t.__h.some(wt), tt = 0), t.__h = [], t.__.some(function(e) {
+B.__b = function(e) {
+	it = null, dt && dt(e);
+}, B.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), gt && gt(e, t);
+}, B.__r = function(e) {
+	ft && ft(e), rt = 0;
+	var t = (it = e.__c).__H;
+	t && (at == it ? it.__h = [] : (t.__h.some(Et), t.__h.some(Dt), rt = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), nt = B;
-}, V.diffed = function(e) {
-	ut && ut(e);
+	})), at = it;
+}, B.diffed = function(e) {
+	pt && pt(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && St(ot.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && Tt(lt.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), nt = B = null;
-}, V.__c = function(e, t) {
+	})), at = it = null;
+}, B.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(Ct), e.__h = e.__h.filter(function(e) {
-				return !e.__ || wt(e);
+			e.__h.some(Et), e.__h = e.__h.filter(function(e) {
+				return !e.__ || Dt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), dt && dt(e, t);
-}, V.unmount = function(e) {
-	ft && ft(e);
+	}), mt && mt(e, t);
+}, B.unmount = function(e) {
+	ht && ht(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1536,50 +1542,50 @@ V.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, St(st.push(r));
-			} else Ct(r);
+				r.__P = n, Tt(ut.push(r));
+			} else Et(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && V.__e(t, r.__v));
+	}), r.__H = void 0, t && B.__e(t, r.__v));
 };
-var bt = typeof requestAnimationFrame == "function";
-function xt(e) {
-	var t, n = function() {
-		clearTimeout(r), bt && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	bt && (t = requestAnimationFrame(n));
-}
-function St(e) {
-	e != 1 && rt == V.requestAnimationFrame || ((rt = V.requestAnimationFrame) || xt)(yt);
-}
-function Ct(e) {
-	var t = B, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), B = t;
-}
+var Ct = typeof requestAnimationFrame == "function";
 function wt(e) {
-	var t = B;
-	e.__c = e.__(), B = t;
+	var t, n = function() {
+		clearTimeout(r), Ct && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	Ct && (t = requestAnimationFrame(n));
 }
-function Tt(e, t) {
+function Tt(e) {
+	e != 1 && ot == B.requestAnimationFrame || ((ot = B.requestAnimationFrame) || wt)(St);
+}
+function Et(e) {
+	var t = it, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), it = t;
+}
+function Dt(e) {
+	var t = it;
+	e.__c = e.__(), it = t;
+}
+function Ot(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !it(t, e[n]);
+		return !st(t, e[n]);
 	});
 }
-function Et(e, t) {
+function kt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var Dt = 100;
-function Ot({ store: e, state: t }) {
-	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
-	gt(() => s(0), [c?.run]), gt(() => {
+var At = 100;
+function jt({ store: e, state: t }) {
+	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
+	yt(() => s(0), [c?.run]), yt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: Dt
+			count: At
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1599,7 +1605,7 @@ function Ot({ store: e, state: t }) {
 					", ",
 					i,
 					" events, ",
-					L(c.took, "s"),
+					R(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
@@ -1607,22 +1613,22 @@ function Ot({ store: e, state: t }) {
 				class: "warning",
 				children: e
 			})),
-			i > Dt && /* @__PURE__ */ z("p", { children: [
+			i > At && /* @__PURE__ */ z("p", { children: [
 				/* @__PURE__ */ z("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - Dt)),
+					onClick: () => s(Math.max(0, o - At)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + Dt, i),
+				Math.min(o + At, i),
 				" of ",
 				i,
 				" ",
 				/* @__PURE__ */ z("button", {
-					disabled: o + Dt >= i,
-					onClick: () => s(o + Dt),
+					disabled: o + At >= i,
+					onClick: () => s(o + At),
 					children: "▸"
 				})
 			] }),
@@ -1633,14 +1639,14 @@ function Ot({ store: e, state: t }) {
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ z("b", { children: L(n.t, "s") }),
+						/* @__PURE__ */ z("b", { children: R(n.t, "s") }),
 						" ",
 						/* @__PURE__ */ z("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", kt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", Mt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ z(At, {
+				}), n.event === l && /* @__PURE__ */ z(Nt, {
 					store: e,
 					state: t,
 					event: n
@@ -1649,11 +1655,11 @@ function Ot({ store: e, state: t }) {
 		]
 	});
 }
-function kt(e) {
+function Mt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function At({ store: e, state: t, event: n }) {
+function Nt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
 	return /* @__PURE__ */ z("div", {
 		class: "detail",
@@ -1695,7 +1701,7 @@ function At({ store: e, state: t, event: n }) {
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${xe(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Se(t, 6)} δ`).join(", ")
 			] }),
 			i.energy && /* @__PURE__ */ z("p", { children: [
 				"energy ",
@@ -1712,18 +1718,18 @@ function At({ store: e, state: t, event: n }) {
 	});
 }
 // src/formulas.tsx
-var jt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Mt(e) {
+var Pt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Ft(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(jt.has(t) ? t : "mrow", {
+	return v(Pt.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Mt));
+	}, ...r.map(Ft));
 }
-function Nt({ store: e, state: t }) {
-	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return gt(() => {
+function It({ store: e, state: t }) {
+	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return yt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -1763,7 +1769,7 @@ function Nt({ store: e, state: t }) {
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Mt(o.formula)
+				children: Ft(o.formula)
 			}) : o && /* @__PURE__ */ z("pre", {
 				class: "equations",
 				tabindex: 0,
@@ -1777,10 +1783,10 @@ function Nt({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var Pt = 0;
-function Ft(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++Pt}`), i = _t(!1);
-	return gt(() => {
+var Lt = 0;
+function Rt(e) {
+	let [t, n] = V(e.value), [r] = V(() => `list${++Lt}`), i = bt(!1);
+	return yt(() => {
 		i.current || n(e.value);
 	}, [e.value]), /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("input", {
 		"aria-label": e.label,
@@ -1804,15 +1810,15 @@ function Ft(e) {
 		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
 	})] });
 }
-function It(e) {
+function zt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Lt = {
+var Bt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Rt = {
+}, Vt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -1823,9 +1829,9 @@ var Lt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function zt({ store: e, state: t }) {
+function Ht({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ z(Wt, {
+	if (r.length === 1) return /* @__PURE__ */ z(qt, {
 		store: e,
 		state: t,
 		node: r[0]
@@ -1834,21 +1840,21 @@ function zt({ store: e, state: t }) {
 		let r = i[0], a = t.cursor?.values[r.key];
 		return /* @__PURE__ */ z("section", { children: [
 			/* @__PURE__ */ z("h2", { children: "Bond" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(Ft, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(Rt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Bt(e, t, r.key, n)
+				onWrite: (n) => void Ut(e, t, r.key, n)
 			})] }),
 			a && /* @__PURE__ */ z("p", { children: [
 				"effort ",
-				L(a.e, a.units[0]),
+				R(a.e, a.units[0]),
 				", flow ",
-				L(a.f, a.units[1]),
+				R(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : L(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : R(a.e * a.f, "W")
 			] }),
 			/* @__PURE__ */ z("div", {
 				class: "row",
@@ -1871,21 +1877,21 @@ function zt({ store: e, state: t }) {
 		class: "row",
 		children: [
 			/* @__PURE__ */ z("button", {
-				onClick: () => Vt(e, r, "y"),
+				onClick: () => Wt(e, r, "y"),
 				children: "In a row"
 			}),
 			/* @__PURE__ */ z("button", {
-				onClick: () => Vt(e, r, "x"),
+				onClick: () => Wt(e, r, "x"),
 				children: "In a column"
 			}),
 			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Ht(e, r, "x"),
+				onClick: () => Gt(e, r, "x"),
 				children: "Evenly across"
 			}),
 			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Ht(e, r, "y"),
+				onClick: () => Gt(e, r, "y"),
 				children: "Evenly down"
 			}),
 			/* @__PURE__ */ z("button", {
@@ -1897,12 +1903,12 @@ function zt({ store: e, state: t }) {
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ z(Ut, {
+	})] }) : /* @__PURE__ */ z(Kt, {
 		store: e,
 		state: t
 	});
 }
-async function Bt(e, t, n, r) {
+async function Ut(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -1917,14 +1923,14 @@ async function Bt(e, t, n, r) {
 		text: r
 	}));
 }
-function Vt(e, t, n) {
+function Wt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Ht(e, t, n) {
+function Gt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -1934,7 +1940,7 @@ function Ht(e, t, n) {
 		at: o
 	});
 }
-function Ut({ store: e, state: t }) {
+function Kt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
@@ -1942,7 +1948,7 @@ function Ut({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: "Model" }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(Ft, {
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(Rt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
@@ -1976,7 +1982,7 @@ function Ut({ store: e, state: t }) {
 		})
 	] });
 }
-function Wt({ store: e, state: t, node: n }) {
+function qt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -1992,24 +1998,24 @@ function Wt({ store: e, state: t, node: n }) {
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(Ft, {
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(Rt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ z(Gt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ z(Jt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Lt[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(Ft, {
+		Bt[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(Rt, {
 			label: `Start value ${e}`,
-			value: Jt(i[e]),
+			value: Zt(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], It(t))
+			onWrite: (t) => a([e], zt(t))
 		})] })),
 		s && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
@@ -2026,7 +2032,7 @@ function Wt({ store: e, state: t, node: n }) {
 			})] }),
 			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
 				disabled: r,
-				value: Jt(i.law),
+				value: Zt(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ z("option", {
 					value: "",
@@ -2036,13 +2042,13 @@ function Wt({ store: e, state: t, node: n }) {
 					children: e
 				}))]
 			})] }),
-			(Rt[Jt(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Ft, {
+			(Vt[Zt(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Rt, {
 				label: e,
-				value: Jt(i[e]),
+				value: Zt(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], It(t))
+				onWrite: (t) => a([e], zt(t))
 			})] })),
-			/* @__PURE__ */ z(Kt, {
+			/* @__PURE__ */ z(Yt, {
 				store: e,
 				state: t,
 				node: n
@@ -2058,21 +2064,21 @@ function Wt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Ft, {
+				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Rt, {
 					label: e,
-					value: Jt(t),
+					value: Zt(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], It(t))
+					onWrite: (t) => a(["parameters", e], zt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(Ft, {
+			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(Rt, {
 				label: `Input ${e}`,
-				value: Jt(i.inputs?.[e]),
+				value: Zt(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Yt(t),
-				onWrite: (t) => a(["inputs", e], It(t))
+				list: Qt(t),
+				onWrite: (t) => a(["inputs", e], zt(t))
 			})] })),
 			n.known && /* @__PURE__ */ z("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
@@ -2101,11 +2107,11 @@ function Wt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Gt({ node: e, off: t, set: n }) {
+function Jt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(Ft, {
+		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(Rt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2116,18 +2122,18 @@ function Gt({ node: e, off: t, set: n }) {
 	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(Ft, {
+	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(Rt, {
 		label: "Value",
 		first: !0,
-		value: Jt(r),
+		value: Zt(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : It(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : zt(t) ?? 1);
 		}
 	})] });
 }
-function Kt({ store: e, state: t, node: n }) {
+function Yt({ store: e, state: t, node: n }) {
 	let r = t.look;
 	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
 		class: "link",
@@ -2137,7 +2143,7 @@ function Kt({ store: e, state: t, node: n }) {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", qt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Xt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2150,14 +2156,14 @@ function Kt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function qt(e, t) {
+function Xt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Jt(e) {
+function Zt(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Yt(e) {
+function Qt(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2165,10 +2171,10 @@ function Yt(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var Xt = 250, Zt = /[A-Za-z_][\w.]*$/, Qt = 0;
-function $t(e) {
-	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++Qt}`), u = _t(null), d = _t(!1), f = _t(0);
-	gt(() => {
+var $t = 250, en = /[A-Za-z_][\w.]*$/, tn = 0;
+function nn(e) {
+	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++tn}`), u = bt(null), d = bt(!1), f = bt(0);
+	yt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2176,14 +2182,14 @@ function $t(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = Zt.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = en.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, Xt);
+		}, $t);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(Zt, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(en, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	}, g = () => {
 		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
@@ -2252,7 +2258,7 @@ function $t(e) {
 	});
 }
 // src/machines.tsx
-function en(e) {
+function rn(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2260,11 +2266,11 @@ function en(e) {
 		guard: t[3]
 	} : null;
 }
-function tn({ store: e, state: t }) {
+function an({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ z(nn, {
+		r.map(([n, r]) => /* @__PURE__ */ z(on, {
 			store: e,
 			state: t,
 			name: n,
@@ -2272,7 +2278,7 @@ function tn({ store: e, state: t }) {
 		}, n)),
 		n.view.editable && /* @__PURE__ */ z("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = qt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Xt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2304,7 +2310,7 @@ function tn({ store: e, state: t }) {
 		})
 	] });
 }
-function nn({ store: e, state: t, name: n, machine: r }) {
+function on({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2330,7 +2336,7 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 		children: [
 			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z(Ft, {
+				children: [/* @__PURE__ */ z(Rt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2350,7 +2356,7 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ z(rn, {
+			/* @__PURE__ */ z(H, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
@@ -2370,7 +2376,7 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ z(Ft, {
+					/* @__PURE__ */ z(Rt, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2396,7 +2402,7 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ z(Ft, {
+					/* @__PURE__ */ z(Rt, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2413,7 +2419,7 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = en(e), o = i && /\bpre\s*\(/.test(i.guard);
+				let i = rn(e), o = i && /\bpre\s*\(/.test(i.guard);
 				return /* @__PURE__ */ z("div", {
 					class: "row rule",
 					children: [i ? /* @__PURE__ */ z(x, { children: [
@@ -2432,11 +2438,11 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
 							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
-						/* @__PURE__ */ z($t, {
+						/* @__PURE__ */ z(nn, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: Yt(t),
+							words: Qt(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
@@ -2445,7 +2451,7 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ z(Ft, {
+					] }) : /* @__PURE__ */ z(Rt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2465,14 +2471,14 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 						...r,
 						states: {
 							...r.states,
-							[qt(c, "state")]: []
+							[Xt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
 				}), /* @__PURE__ */ z("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => en(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => rn(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2484,8 +2490,8 @@ function nn({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function rn({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(en).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+function H({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(rn).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
 	return /* @__PURE__ */ z("div", {
 		class: "diagram",
 		children: /* @__PURE__ */ z("svg", {
@@ -2564,7 +2570,7 @@ function rn({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [an, U] = [720, 190], W = 74, [on, sn] = [8, 20], cn = [
+var [U, sn] = [720, 190], W = 74, [G, cn] = [8, 20], K = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2577,8 +2583,8 @@ var [an, U] = [720, 190], W = 74, [on, sn] = [8, 20], cn = [
 function ln(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function G({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+function un({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
 	return /* @__PURE__ */ z("div", {
 		class: "plots sweep",
 		children: [
@@ -2633,14 +2639,14 @@ function G({ store: e, state: t }) {
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ z(un, {
+			o.map((e, t) => /* @__PURE__ */ z(dn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ z(dn, {
+			/* @__PURE__ */ z(fn, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -2649,7 +2655,7 @@ function G({ store: e, state: t }) {
 		]
 	});
 }
-function un({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function dn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
 	if (!a.length || o > s) return /* @__PURE__ */ z("p", {
@@ -2660,7 +2666,7 @@ function un({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => W + e / n * (an - W - 8), d = (e) => U - sn - (e - o) / l * (U - sn - on), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => W + e / n * (U - W - 8), d = (e) => sn - cn - (e - o) / l * (sn - cn - G), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
@@ -2669,21 +2675,21 @@ function un({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
 	return r !== null && p.push(r), /* @__PURE__ */ z("svg", {
 		class: "family",
-		viewBox: `0 0 ${an} ${U}`,
+		viewBox: `0 0 ${U} ${sn}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${xe(o)} and ${xe(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${Se(o)} and ${Se(s)} ${c}`,
 		children: [
 			/* @__PURE__ */ z("rect", {
 				class: "box",
 				x: W,
-				y: on,
-				width: an - W - 8,
-				height: U - sn - on
+				y: G,
+				width: U - W - 8,
+				height: sn - cn - G
 			}),
 			o < 0 && s > 0 && /* @__PURE__ */ z("line", {
 				class: "axis",
 				x1: W,
-				x2: an - 8,
+				x2: U - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
@@ -2699,40 +2705,40 @@ function un({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			}),
 			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: on + 9,
+				y: G + 9,
 				"text-anchor": "end",
-				children: L(s, c)
+				children: R(s, c)
 			}),
 			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: U - sn,
+				y: sn - cn,
 				"text-anchor": "end",
-				children: L(o, c)
+				children: R(o, c)
 			}),
 			/* @__PURE__ */ z("text", {
 				class: "what",
-				transform: `translate(12,${(U - sn) / 2}) rotate(-90)`,
+				transform: `translate(12,${(sn - cn) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
 			/* @__PURE__ */ z("text", {
 				x: W,
-				y: U - 5,
+				y: sn - 5,
 				children: "0 s"
 			}),
 			/* @__PURE__ */ z("text", {
-				x: an - 8,
-				y: U - 5,
+				x: U - 8,
+				y: sn - 5,
 				"text-anchor": "end",
-				children: L(n, "s")
+				children: R(n, "s")
 			})
 		]
 	});
 }
-function dn({ sweep: e, end: t, chosen: n, choose: r }) {
+function fn({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (an - W - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (U - W - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -2746,7 +2752,7 @@ function dn({ sweep: e, end: t, chosen: n, choose: r }) {
 	return /* @__PURE__ */ z("figure", {
 		class: "modemap",
 		children: [/* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${an} 184`,
+			viewBox: `0 0 ${U} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
@@ -2756,52 +2762,52 @@ function dn({ sweep: e, end: t, chosen: n, choose: r }) {
 					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ z("rect", {
 						x: W + c * o,
 						width: o + .4,
-						y: on + 150 * (1 - n / a),
+						y: G + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: cn[r % cn.length],
+						fill: K[r % K.length],
 						children: /* @__PURE__ */ z("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
 				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: on + 9,
+					y: G + 9,
 					"text-anchor": "end",
-					children: L(t, "s")
+					children: R(t, "s")
 				}),
 				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: on + 150,
+					y: G + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
 				/* @__PURE__ */ z("text", {
 					x: W,
-					y: on + 150 + 14,
+					y: G + 150 + 14,
 					children: e.values[0]
 				}),
 				/* @__PURE__ */ z("text", {
-					x: an - 8,
-					y: on + 150 + 14,
+					x: U - 8,
+					y: G + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
-					x: (W + an) / 2,
-					y: on + 150 + 18,
+					x: (W + U) / 2,
+					y: G + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
 		}), /* @__PURE__ */ z("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ z("span", { children: [
-			/* @__PURE__ */ z("i", { style: `background: ${cn[t % cn.length]}` }),
+			/* @__PURE__ */ z("i", { style: `background: ${K[t % K.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function fn({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
+function pn({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -2835,7 +2841,7 @@ function fn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function pn({ store: e, state: t }) {
+function mn({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
@@ -2844,7 +2850,7 @@ function pn({ store: e, state: t }) {
 		let c = Object.entries(n.panels[i]);
 		return /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ z(hn, {
+			c.map(([n, r]) => /* @__PURE__ */ z(gn, {
 				store: e,
 				state: t,
 				section: i,
@@ -2862,7 +2868,7 @@ function pn({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, qt(t, e)], s);
+					a([i, Xt(t, e)], s);
 				},
 				children: "Add"
 			})
@@ -2874,14 +2880,14 @@ function pn({ store: e, state: t }) {
 		o("inputs", "Inputs", { constant: 1 }),
 		!t.level && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("h2", { children: "Run" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Ft, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Rt, {
 				label: "Until",
-				value: Jt(i.until),
+				value: Zt(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], It(e))
+				onWrite: (e) => void a(["experiment", "until"], zt(e))
 			})] }),
 			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
-				value: Jt(i.solver),
+				value: Zt(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ z("option", {
 					value: "",
@@ -2892,24 +2898,24 @@ function pn({ store: e, state: t }) {
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(Ft, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(Rt, {
 				label: "Relative tolerance",
-				value: Jt(i.rtol),
+				value: Zt(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], It(e))
+				onWrite: (e) => void a(["experiment", "rtol"], zt(e))
 			})] })
 		] })
 	] });
 }
-var mn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function hn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? mn.exec(Jt(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+var hn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function gn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? hn.exec(Zt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
 	return /* @__PURE__ */ z("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
 			/* @__PURE__ */ z("label", { children: [
-				/* @__PURE__ */ z(Ft, {
+				/* @__PURE__ */ z(Rt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -2919,17 +2925,17 @@ function hn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ z(Ft, {
+				o ? /* @__PURE__ */ z(Rt, {
 					label: r,
-					value: Jt(i),
+					value: Zt(i),
 					disabled: a,
-					list: n === "signals" ? Yt(t) : void 0,
+					list: n === "signals" ? Qt(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: It(t)
+						value: zt(t)
 					})
-				}) : /* @__PURE__ */ z(gn, {
+				}) : /* @__PURE__ */ z(_n, {
 					store: e,
 					path: [n, r],
 					value: i,
@@ -2954,7 +2960,7 @@ function hn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ z(fn, {
+			l && s && /* @__PURE__ */ z(pn, {
 				store: e,
 				path: d,
 				low: f(.5),
@@ -2980,20 +2986,20 @@ function hn({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function gn({ store: e, path: t, value: n, off: r }) {
+function _n({ store: e, path: t, value: n, off: r }) {
 	return /* @__PURE__ */ z("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(gn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(_n, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(Ft, {
+		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(Rt, {
 			label: `${t.join(" ")} ${n}`,
-			value: Jt(i),
+			value: Zt(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = It(r);
+				let i = zt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3006,7 +3012,7 @@ function gn({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function _n({ store: e, state: t }) {
+function vn({ store: e, state: t }) {
 	let n = t.look.problems;
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: "Problems" }),
@@ -3029,7 +3035,7 @@ function _n({ store: e, state: t }) {
 		})
 	] });
 }
-function vn({ store: e, state: t }) {
+function yn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
 	return /* @__PURE__ */ z("section", {
 		class: "tables",
@@ -3111,9 +3117,9 @@ function vn({ store: e, state: t }) {
 		]
 	});
 }
-function yn({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
-	gt(() => {
+function bn({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
+	yt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3155,7 +3161,7 @@ function yn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function bn(e) {
+function xn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3178,8 +3184,8 @@ function bn(e) {
 		parts: r
 	};
 }
-function xn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = bn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function Sn({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = xn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
@@ -3238,23 +3244,35 @@ function xn({ store: e, state: t }) {
 		]
 	});
 }
-function Sn({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = bn(t), o = [...i, ...[...a.values()].flat()], [s, ...c] = n.trim().split(/\s+/), l = i.find((e) => e.key === s), u = n.includes("->") ? [] : l ? [l, ...o.filter((e) => e !== l && e.key.includes(s))] : o.filter((e) => `${e.key} ${e.about}`.toLowerCase().includes(n.trim().toLowerCase())), d = () => {
+var Cn = /^[A-Za-z_]\w*$/, wn = 8, Tn = 5;
+function En(e, t) {
+	let n = e.letters.replaceAll("_", " ").toLowerCase(), r = t.replaceAll("_", " ");
+	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : Tn;
+}
+function Dn(e) {
+	let t = (e.look?.view.nodes ?? []).filter((e) => String(e.entry.submodel ?? "").includes(".")), n = t.find((t) => e.nodes.has(t.name)) ?? t[t.length - 1];
+	return n ? String(n.entry.submodel).split(".")[0] : e.look?.view.domain ?? "";
+}
+function On({ store: e, state: t }) {
+	let [n, r] = V(""), [i, a] = V(0), { kinds: o, parts: s } = xn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && Cn.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = Dn(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
+		o: e,
+		rank: 2 * En(e, p) - Number(e.key.startsWith(`${m}.`))
+	})).filter(({ rank: e }) => e < 9).sort((e, t) => e.rank - t.rank).map(({ o: e }) => e), g = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
-	}, f = async () => {
+	}, _ = async () => {
 		if (n.includes("->")) return await e.edit({
 			do: "write bond",
 			text: n.trim()
-		}), d();
-		let t = u[0];
+		}), g();
+		let t = h[Math.min(i, h.length - 1)];
 		if (!t) return;
-		let r = t.element, i = "";
-		if (t === l && c.length) {
-			/^[A-Za-z_]\w*$/.test(c[0]) && (i = c.shift());
-			let e = c.join(" ");
+		let r = t.element, a = "";
+		if (t === d && u.length) {
+			Cn.test(u[0]) && (a = u.shift());
+			let e = u.join(" ");
 			e && !("junction" in r) && (r = { [t.key]: e });
-		}
-		await e.add(r, i || t.stem), d();
+		} else f && (a = u[0]);
+		await e.add(r, a || t.stem), g();
 	};
 	return /* @__PURE__ */ z("div", {
 		class: "quick",
@@ -3265,25 +3283,32 @@ function Sn({ store: e, state: t }) {
 			value: n,
 			"aria-label": "What to add",
 			placeholder: "R load 10 ohm · diode · a -> b",
-			onInput: (e) => r(e.currentTarget.value),
+			onInput: (e) => {
+				r(e.currentTarget.value), a(0);
+			},
 			onKeyDown: (e) => {
-				e.key === "Enter" && f(), e.key === "Escape" && d(), e.stopPropagation();
+				let t = {
+					ArrowDown: 1,
+					ArrowUp: -1
+				}[e.key];
+				t && (a(Math.max(0, Math.min(i + t, h.length - 1, 7))), e.preventDefault()), e.key === "Enter" && _(), e.key === "Escape" && g(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ z("ul", { children: u.slice(0, 8).map((e, t) => /* @__PURE__ */ z("li", {
-			class: t === 0 ? "chosen" : "",
+		}), /* @__PURE__ */ z("ul", { children: h.slice(0, wn).map((e, t) => /* @__PURE__ */ z("li", {
+			class: t === i ? "chosen" : "",
 			children: [
 				/* @__PURE__ */ z("b", { children: e.letters }),
 				" ",
-				e.about
+				e.about,
+				e.key.includes(".") && /* @__PURE__ */ z("small", { children: [" ", e.key.split(".")[0]] })
 			]
 		})) })]
 	});
 }
 // src/axes.ts
-function Cn(e) {
+function kn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function wn(e, t, n, r = 5) {
+function An(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3294,7 +3319,7 @@ function wn(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: Dn(e, t, r)
+		ticks: Nn(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3303,22 +3328,22 @@ function wn(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: On(e, t, r)
+		ticks: Pn(e, t, r)
 	};
 }
-function Tn(e, t, n) {
-	if (e.edges) return wn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = En(t.filter((e) => e !== null));
-	if (e.log) return wn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function jn(e, t, n) {
+	if (e.edges) return An(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = Mn(t.filter((e) => e !== null));
+	if (e.log) return An(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return wn(r - a, i + a, !1, n);
+	return An(r - a, i + a, !1, n);
 }
-function En(e) {
+function Mn(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function Dn(e, t, n) {
+function Nn(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3328,7 +3353,7 @@ function Dn(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function On(e, t, n) {
+function Pn(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3345,13 +3370,13 @@ function On(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function kn(e, t) {
-	return t ? `${e} [${t}]` : e;
+function Fn(e, t) {
+	return t ? `${e} [${I(t)}]` : e;
 }
-function K(e) {
-	return e === null ? "none" : xe(e, 5).replace(/\.?0+e/, "e");
+function q(e) {
+	return e === null ? "none" : Se(e, 5).replace(/\.?0+e/, "e");
 }
-var An = [
+var In = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3363,36 +3388,36 @@ var An = [
 	"b5de2b",
 	"fde725"
 ];
-function jn(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (An.length - 1), n = Math.min(Math.floor(t), An.length - 2);
+function Ln(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (In.length - 1), n = Math.min(Math.floor(t), In.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [An[n], An[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [In[n], In[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var Mn = An.map((e) => `#${e}`).join(", "), Nn = 120, Pn = "HB-W103", Fn = [
+var Rn = In.map((e) => `#${e}`).join(", "), zn = 120, Bn = "HB-W103", Vn = [
 	"grid",
 	"together",
 	"ends"
-], In = ["grid", "together"];
-function Ln({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), [o, s] = H(null), c = t.look.revision, l = t.asking;
-	if (gt(() => {
+], Hn = ["grid", "together"];
+function Un({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(null), [o, s] = V(null), c = t.look.revision, l = t.asking;
+	if (yt(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: Bn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: Kn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
-	}, [c]), gt(() => {
+	}, [c]), yt(() => {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, Nn);
+		}, zn);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -3416,23 +3441,23 @@ function Ln({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Vn(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === qn(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: Vn(i, l.way) } : {}
+			...o ? { values: qn(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: Vn(t.values, e)
+			values: qn(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: Vn(n.values[e] ?? "", l.way)
+			values: qn(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
 	return /* @__PURE__ */ z("section", {
@@ -3443,7 +3468,7 @@ function Ln({ store: e, state: t }) {
 				class: "factor",
 				"data-factor": t,
 				children: [
-					/* @__PURE__ */ z($t, {
+					/* @__PURE__ */ z(nn, {
 						label: `Factor ${t + 1}`,
 						value: e.path,
 						words: n.paths,
@@ -3455,7 +3480,7 @@ function Ln({ store: e, state: t }) {
 						})),
 						told: f[`path.${t}`]
 					}),
-					/* @__PURE__ */ z($t, {
+					/* @__PURE__ */ z(nn, {
 						label: `Values of factor ${t + 1}`,
 						value: e.values,
 						words: [
@@ -3509,26 +3534,26 @@ function Ln({ store: e, state: t }) {
 				onChange: (e) => g(e.currentTarget.value),
 				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
 					value: e,
-					children: Rn[e] ?? e
+					children: Wn[e] ?? e
 				}))
 			})] }),
 			/* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!Fn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Ft, {
+			!Vn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Rt, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!In.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Ft, {
+			!Hn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Rt, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ z(zn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ z(Gn, { problem: f.seed ?? f.way }),
 			/* @__PURE__ */ z("h2", { children: "What is collected" }),
-			/* @__PURE__ */ z($t, {
+			/* @__PURE__ */ z(nn, {
 				label: "Collect",
 				value: l.collect,
 				words: n.words,
@@ -3552,13 +3577,13 @@ function Ln({ store: e, state: t }) {
 					n
 				] });
 			}) })] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Ft, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Rt, {
 				label: "Until of the sweep",
 				value: l.until,
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ z(zn, { problem: f.until }),
+			/* @__PURE__ */ z(Gn, { problem: f.until }),
 			/* @__PURE__ */ z("div", {
 				class: "row begin",
 				children: [p ? /* @__PURE__ */ z("button", {
@@ -3579,7 +3604,7 @@ function Ln({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && Object.values(f).every((e) => e.code === Pn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
+			o && Object.values(f).every((e) => e.code === Bn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
 				class: "command",
 				children: [/* @__PURE__ */ z("code", {
 					tabindex: 0,
@@ -3592,7 +3617,7 @@ function Ln({ store: e, state: t }) {
 		]
 	});
 }
-var Rn = {
+var Wn = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3601,7 +3626,7 @@ var Rn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function zn({ problem: e }) {
+function Gn({ problem: e }) {
 	return e ? /* @__PURE__ */ z("small", {
 		class: "wrong",
 		role: "status",
@@ -3612,7 +3637,7 @@ function zn({ problem: e }) {
 		]
 	}) : null;
 }
-function Bn(e) {
+function Kn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3626,24 +3651,24 @@ function Bn(e) {
 		collect: e.collect
 	};
 }
-function Vn(e, t) {
-	let n = Cn(e);
-	return n ? In.includes(t) ? `${n}:11` : n : e;
+function qn(e, t) {
+	let n = kn(e);
+	return n ? Hn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [Hn, Un, Wn, Gn] = [
+var [Jn, Yn, Xn, Zn] = [
 	66,
 	14,
 	10,
 	38
 ];
-function Kn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function Qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
 	if (!l.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Hn - Un, n - Wn - Gn], [m, h] = En(l), g = .05 * (h - m), _ = wn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = wn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Hn + _.part(e) * f, b = (e) => Wn + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Jn - Yn, n - Xn - Zn], [m, h] = Mn(l), g = .05 * (h - m), _ = An(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = An(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Jn + _.part(e) * f, b = (e) => Xn + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3685,12 +3710,12 @@ function Kn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				width: d,
 				height: n,
 				role: "img",
-				"aria-label": `${e.signal}: from ${K(m)} to ${K(h)} ${e.unit}; the median ends at ${K(T[T.length - 1])}`,
+				"aria-label": `${e.signal}: from ${q(m)} to ${q(h)} ${e.unit}; the median ends at ${q(T[T.length - 1])}`,
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: Hn,
-						y: Wn,
+						x: Jn,
+						y: Xn,
 						width: f,
 						height: p
 					}),
@@ -3721,43 +3746,43 @@ function Kn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: Wn + p,
-						y2: Wn + p + 4
+						y1: Xn + p,
+						y2: Xn + p + 4
 					}), /* @__PURE__ */ z("text", {
 						x: y(e),
-						y: Wn + p + 15,
+						y: Xn + p + 15,
 						"text-anchor": "middle",
-						children: L(e, "s")
+						children: R(e, "s")
 					})] })),
 					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: Hn - 4,
-						x2: Hn,
+						x1: Jn - 4,
+						x2: Jn,
 						y1: b(e),
 						y2: b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: Hn - 7,
+						x: Jn - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
-						children: K(e)
+						children: q(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: Hn + f / 2,
+						x: Jn + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${Wn + p / 2}) rotate(-90)`,
+						transform: `translate(12,${Xn + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: kn(e.signal, e.unit)
+						children: Fn(e.signal, e.unit)
 					})
 				]
 			})
 		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: kn(e.signal, e.unit) }),
+			/* @__PURE__ */ z("b", { children: Fn(e.signal, e.unit) }),
 			/* @__PURE__ */ z("span", {
 				class: "key",
 				children: [/* @__PURE__ */ z("i", { class: "line median" }), " median"]
@@ -3791,21 +3816,21 @@ function Kn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	});
 }
 // src/bars.tsx
-var [qn, Jn, Yn] = [
+var [$n, er, tr] = [
 	22,
 	40,
 	34
 ];
-function Xn(e, t) {
+function nr(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function Zn({ found: e, wide: t, open: n }) {
+function rr({ found: e, wide: t, open: n }) {
 	let r = e.middle;
 	if (r === null) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = Xn(e.rows.map((e) => kn(e.path, e.unit)), i), [o, s] = [44, qn + Yn * e.rows.length + Jn], [c, l] = En([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = wn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	let i = Math.min(t, 820), a = nr(e.rows.map((e) => Fn(e.path, e.unit)), i), [o, s] = [44, $n + tr * e.rows.length + er], [c, l] = Mn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = An(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
 	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "tornado",
@@ -3813,36 +3838,36 @@ function Zn({ found: e, wide: t, open: n }) {
 			width: i,
 			height: s,
 			role: "group",
-			"aria-label": `How far each factor moves ${e.value} from ${K(r)} ${e.unit}`,
+			"aria-label": `How far each factor moves ${e.value} from ${q(r)} ${e.unit}`,
 			children: [
 				d.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: qn,
-					y2: s - Jn
+					y1: $n,
+					y2: s - er
 				}), /* @__PURE__ */ z("text", {
 					x: f(e),
-					y: s - Jn + 15,
+					y: s - er + 15,
 					"text-anchor": "middle",
-					children: K(e)
+					children: q(e)
 				})] })),
 				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${qn + i * Yn})`,
+					transform: `translate(0,${$n + i * tr})`,
 					"data-factor": t.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: a - 8,
-						y: Yn / 2 + 4,
+						y: tr / 2 + 4,
 						"text-anchor": "end",
-						children: kn(t.path, t.unit)
+						children: Fn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
 						if (i === null) return /* @__PURE__ */ z("text", {
 							x: f(r) + 4,
-							y: Yn / 2 + 4,
+							y: tr / 2 + 4,
 							children: "no value"
 						});
-						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
+						let o = i > r || i === r && a === 1, s = `${t.path} = ${q(t.ends[a])}: ${e.value} = ${q(i)}`, c = () => n(t.members[a]);
 						return /* @__PURE__ */ z("g", {
 							class: "bar " + (a ? "upper" : "lower"),
 							role: "button",
@@ -3854,14 +3879,14 @@ function Zn({ found: e, wide: t, open: n }) {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: Yn - 10,
+								height: tr - 10,
 								"data-outcome": i,
 								children: /* @__PURE__ */ z("title", { children: s })
 							}), /* @__PURE__ */ z("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: Yn / 2 + 4,
+								y: tr / 2 + 4,
 								"text-anchor": o ? "start" : "end",
-								children: K(t.ends[a])
+								children: q(t.ends[a])
 							})]
 						});
 					})]
@@ -3870,21 +3895,21 @@ function Zn({ found: e, wide: t, open: n }) {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: qn - 4,
-					y2: s - Jn
+					y1: $n - 4,
+					y2: s - er
 				}),
 				/* @__PURE__ */ z("text", {
 					x: f(r),
-					y: qn - 9,
+					y: $n - 9,
 					"text-anchor": "middle",
-					children: K(r)
+					children: q(r)
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: kn(e.value, e.unit)
+					children: Fn(e.value, e.unit)
 				})
 			]
 		}), /* @__PURE__ */ z("figcaption", { children: [/* @__PURE__ */ z("span", {
@@ -3896,13 +3921,13 @@ function Zn({ found: e, wide: t, open: n }) {
 		})] })]
 	});
 }
-function Qn({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = Xn(e.rows.map((e) => e.path), n), [i, a] = [64, qn + Yn * e.rows.length + Jn], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+function ir({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = nr(e.rows.map((e) => e.path), n), [i, a] = [64, $n + tr * e.rows.length + er], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
 	if (!o.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = En([0, ...o]), l = wn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	let [s, c] = Mn([0, ...o]), l = An(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
 	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "sobol",
@@ -3910,27 +3935,27 @@ function Qn({ found: e, wide: t }) {
 			width: n,
 			height: a,
 			role: "img",
-			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${K(e.first[0])}, with others ${K(e.total[0])}`).join("; ")}`,
+			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${q(e.first[0])}, with others ${q(e.total[0])}`).join("; ")}`,
 			children: [
 				l.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: qn,
-					y2: a - Jn
+					y1: $n,
+					y2: a - er
 				}), /* @__PURE__ */ z("text", {
 					x: u(e),
-					y: a - Jn + 15,
+					y: a - er + 15,
 					"text-anchor": "middle",
-					children: K(e)
+					children: q(e)
 				})] })),
 				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${qn + t * Yn})`,
+					transform: `translate(0,${$n + t * tr})`,
 					"data-factor": e.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: r - 8,
-						y: Yn / 2 + 4,
+						y: tr / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
@@ -3953,7 +3978,7 @@ function Qn({ found: e, wide: t }) {
 								/* @__PURE__ */ z("text", {
 									x: i + 5,
 									y: r + 9,
-									children: K(+e.toFixed(3))
+									children: q(+e.toFixed(3))
 								})
 							]
 						});
@@ -3963,8 +3988,8 @@ function Qn({ found: e, wide: t }) {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: qn - 4,
-					y2: a - Jn
+					y1: $n - 4,
+					y2: a - er
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
@@ -3992,18 +4017,18 @@ function Qn({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [$n, er, tr, nr] = [
+var [ar, or, sr, cr] = [
 	66,
 	12,
 	10,
 	38
-], rr = 14;
-function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = _t(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - $n - er, f - tr - nr], h = Tn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Tn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], lr = 14;
+function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = bt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - ar - or, f - sr - cr], h = jn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = jn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = En(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : jn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
-	gt(() => {
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Mn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Ln(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : q(e.number[t]);
+	yt(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
 		let r = devicePixelRatio || 1;
@@ -4031,7 +4056,7 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, rr ** 2];
+		let [a, o] = [-1, lr ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4050,7 +4075,7 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 		e.members[r] >= 0 && a(e.members[r]);
 	}, A = e.members.filter((e, t) => e >= 0 && !v && x(t).includes(null)).length, j = c ?? (O < 0 ? null : O), ee = (t) => {
 		let [n, r] = x(t);
-		return `run ${e.members[t]}: ${e.x.name} = ${K(n)}, ${e.y.name} = ${K(r)}, ${e.value} = ${E(t)}`;
+		return `run ${e.members[t]}: ${e.x.name} = ${q(n)}, ${e.y.name} = ${q(r)}, ${e.value} = ${E(t)}`;
 	}, [te, ne] = O < 0 ? [null, null] : x(O);
 	return /* @__PURE__ */ z("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
@@ -4064,7 +4089,7 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			onKeyDown: k,
 			children: [/* @__PURE__ */ z("canvas", {
 				ref: s,
-				style: `left: ${$n}px; top: ${tr}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${ar}px; top: ${sr}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4081,62 +4106,62 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 				width: d,
 				height: f,
 				role: "img",
-				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${K(C)} to ${K(w)} ${e.unit}`}`,
+				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${q(C)} to ${q(w)} ${e.unit}`}`,
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: $n,
-						y: tr,
+						x: ar,
+						y: sr,
 						width: p,
 						height: m
 					}),
 					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: $n + y(e),
-						x2: $n + y(e),
-						y1: tr + m,
-						y2: tr + m + 4
+						x1: ar + y(e),
+						x2: ar + y(e),
+						y1: sr + m,
+						y2: sr + m + 4
 					}), /* @__PURE__ */ z("text", {
-						x: $n + y(e),
-						y: tr + m + 15,
+						x: ar + y(e),
+						y: sr + m + 15,
 						"text-anchor": "middle",
-						children: K(e)
+						children: q(e)
 					})] })),
 					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: $n - 4,
-						x2: $n,
-						y1: tr + b(e),
-						y2: tr + b(e)
+						x1: ar - 4,
+						x2: ar,
+						y1: sr + b(e),
+						y2: sr + b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: $n - 7,
-						y: tr + b(e) + 3.5,
+						x: ar - 7,
+						y: sr + b(e) + 3.5,
 						"text-anchor": "end",
-						children: K(e)
+						children: q(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: $n + p / 2,
+						x: ar + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: kn(e.x.name, e.x.unit)
+						children: Fn(e.x.name, e.x.unit)
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${tr + m / 2}) rotate(-90)`,
+						transform: `translate(12,${sr + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: kn(e.y.name, e.y.unit)
+						children: Fn(e.y.name, e.y.unit)
 					}),
 					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
 						class: "chosen",
-						cx: $n + y(te),
-						cy: tr + b(ne),
+						cx: ar + y(te),
+						cy: sr + b(ne),
 						r: 7
 					})
 				]
 			})]
 		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: kn(e.value, e.unit) }),
+			/* @__PURE__ */ z("b", { children: Fn(e.value, e.unit) }),
 			e.names.map((t, n) => /* @__PURE__ */ z("span", {
 				class: "key",
 				children: [
@@ -4148,9 +4173,9 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			!e.names.length && S.length > 0 && /* @__PURE__ */ z("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Mn})` }),
-					/* @__PURE__ */ z("span", { children: K(C) }),
-					/* @__PURE__ */ z("span", { children: K(w) })
+					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Rn})` }),
+					/* @__PURE__ */ z("span", { children: q(C) }),
+					/* @__PURE__ */ z("span", { children: q(w) })
 				]
 			}),
 			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ z("span", {
@@ -4169,23 +4194,23 @@ function ir({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 	});
 }
 // src/planned.tsx
-var ar = [
+var dr = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], or = 92, sr = "(max-width: 760px)", cr = 500, lr = 4;
-function ur({ store: e, state: t, plan: n }) {
+], fr = 92, pr = "(max-width: 760px)", mr = 500, hr = 4;
+function gr({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: vr(n),
+		choice: wr(n),
 		chosen: null
-	}, [[a, o], s] = H([700, 340]), c = _t(null);
-	gt(() => {
+	}, [[a, o], s] = V([700, 340]), c = bt(null);
+	yt(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(sr).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(pr).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
 	let l = (t) => e.set({ looked: {
@@ -4204,7 +4229,7 @@ function ur({ store: e, state: t, plan: n }) {
 		value: r[t],
 		onChange: (e) => l({ [t]: e.currentTarget.value }),
 		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
-	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - or, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = yr(e, n, {
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - fr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = Tr(e, n, {
 		...r,
 		at: y
 	});
@@ -4216,11 +4241,11 @@ function ur({ store: e, state: t, plan: n }) {
 			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z(fr, {
+					/* @__PURE__ */ z(vr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ z(pr, {
+					/* @__PURE__ */ z(yr, {
 						store: e,
 						plan: n,
 						chosen: i,
@@ -4228,7 +4253,7 @@ function ur({ store: e, state: t, plan: n }) {
 						open: m
 					}),
 					/* @__PURE__ */ z("button", {
-						onClick: () => void br(e, n),
+						onClick: () => void Er(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
@@ -4245,11 +4270,11 @@ function ur({ store: e, state: t, plan: n }) {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: ar.map(([e, t]) => /* @__PURE__ */ z("button", {
+						children: dr.map(([e, t]) => /* @__PURE__ */ z("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => l({
 								view: e,
-								..._r(n, e)
+								...Cr(n, e)
 							}),
 							children: t
 						}))
@@ -4296,27 +4321,27 @@ function ur({ store: e, state: t, plan: n }) {
 				children: [
 					S.why,
 					". ",
-					dr(n, r.view) || S.try
+					_r(n, r.view) || S.try
 				]
-			}) : b ? b.view === "table" ? /* @__PURE__ */ z(mr, {
+			}) : b ? b.view === "table" ? /* @__PURE__ */ z(br, {
 				found: b,
 				open: m,
 				turn: (e) => l({ first: e })
-			}) : b.view === "family" ? /* @__PURE__ */ z(Kn, {
+			}) : b.view === "family" ? /* @__PURE__ */ z(Qn, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
 				chosen: i,
 				choose: u,
 				open: m
-			}) : b.view === "tornado" ? /* @__PURE__ */ z(Zn, {
+			}) : b.view === "tornado" ? /* @__PURE__ */ z(rr, {
 				found: b,
 				wide: a,
 				open: m
-			}) : b.view === "sobol" ? /* @__PURE__ */ z(Qn, {
+			}) : b.view === "sobol" ? /* @__PURE__ */ z(ir, {
 				found: b,
 				wide: a
-			}) : /* @__PURE__ */ z(ir, {
+			}) : /* @__PURE__ */ z(ur, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
@@ -4331,11 +4356,11 @@ function ur({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-function dr(e, t) {
+function _r(e, t) {
 	let n = e.way.split(":")[0];
 	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
 }
-function fr({ store: e, plan: t }) {
+function vr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("progress", {
@@ -4363,9 +4388,9 @@ function fr({ store: e, plan: t }) {
 		]
 	});
 }
-function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
-	let [a, o] = H(null);
-	gt(() => {
+function yr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+	let [a, o] = V(null);
+	yt(() => {
 		if (o(null), n === null) return;
 		let r = !1;
 		return e.transport.ask("plan member", {
@@ -4403,8 +4428,8 @@ function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 			}
 		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("output", { children: [
-				s.map(([e, t]) => `${e} = ${gr(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${hr(a.row[e.name])}`).join(""),
+				s.map(([e, t]) => `${e} = ${Sr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${xr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
 			/* @__PURE__ */ z("button", {
@@ -4418,7 +4443,7 @@ function pr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		] })]
 	});
 }
-function mr({ found: e, open: t, turn: n }) {
+function br({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
@@ -4441,7 +4466,7 @@ function mr({ found: e, open: t, turn: n }) {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : hr(e[n])
+				}) : xr(e[n])
 			})) })) })] })
 		}), /* @__PURE__ */ z("div", {
 			class: "plotbar",
@@ -4467,14 +4492,14 @@ function mr({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function hr(e) {
-	return typeof e == "number" ? K(e) : e ?? "none";
+function xr(e) {
+	return typeof e == "number" ? q(e) : e ?? "none";
 }
-function gr(e) {
+function Sr(e) {
 	let [t, ...n] = String(e).split(" ");
-	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
+	return Number.isFinite(Number(t)) ? [q(Number(t)), ...n].join(" ") : String(e);
 }
-function _r(e, t) {
+function Cr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4491,7 +4516,7 @@ function _r(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function vr(e) {
+function wr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4501,19 +4526,19 @@ function vr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		..._r(e, i)
+		...Cr(e, i)
 	};
 }
-function yr(e, t, n) {
-	let [r, i] = H({
+function Tr(e, t, n) {
+	let [r, i] = V({
 		key: "",
 		seen: null,
 		refused: null
-	}), a = JSON.stringify([t.plan, n]), o = _t({
+	}), a = JSON.stringify([t.plan, n]), o = bt({
 		key: "",
 		kept: -1,
 		ended: !1
-	}), s = _t(!1), c = _t(!1), l = async () => {
+	}), s = bt(!1), c = bt(!1), l = async () => {
 		if (s.current) return;
 		s.current = !0;
 		let t = "";
@@ -4539,14 +4564,14 @@ function yr(e, t, n) {
 					refused: t
 				});
 			}
-			let c = n.key === o.current.key, l = Math.max(cr, lr * (performance.now() - s));
+			let c = n.key === o.current.key, l = Math.max(mr, hr * (performance.now() - s));
 			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
 	};
-	return gt(() => (c.current = !1, () => {
+	return yt(() => (c.current = !1, () => {
 		c.current = !0;
-	}), []), gt(() => {
+	}), []), yt(() => {
 		o.current = {
 			key: a,
 			kept: t.kept,
@@ -4558,7 +4583,7 @@ function yr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function br(e, t) {
+async function Er(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4567,65 +4592,65 @@ async function br(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var xr = !0, Sr = "uplot", Cr = "u-hz", wr = "u-vt", Tr = "u-title", Er = "u-wrap", Dr = "u-under", Or = "u-over", kr = "u-axis", Ar = "u-off", jr = "u-select", Mr = "u-cursor-x", Nr = "u-cursor-y", Pr = "u-cursor-pt", Fr = "u-legend", Ir = "u-live", Lr = "u-inline", Rr = "u-series", zr = "u-marker", Br = "u-label", Vr = "u-value", Hr = "width", Ur = "height", Wr = "top", Gr = "bottom", Kr = "left", qr = "right", Jr = "#000", Yr = "#0000", Xr = "mousemove", Zr = "mousedown", Qr = "mouseup", $r = "mouseenter", ei = "mouseleave", ti = "dblclick", ni = "resize", ri = "scroll", ii = "change", ai = "dppxchange", oi = "--", si = typeof window < "u", ci = si ? document : null, li = si ? window : null, ui = si ? navigator : null, q, di;
-function fi() {
+var Dr = !0, Or = "uplot", kr = "u-hz", Ar = "u-vt", jr = "u-title", Mr = "u-wrap", Nr = "u-under", Pr = "u-over", Fr = "u-axis", Ir = "u-off", Lr = "u-select", Rr = "u-cursor-x", zr = "u-cursor-y", Br = "u-cursor-pt", Vr = "u-legend", Hr = "u-live", Ur = "u-inline", Wr = "u-series", Gr = "u-marker", Kr = "u-label", qr = "u-value", Jr = "width", Yr = "height", Xr = "top", Zr = "bottom", Qr = "left", $r = "right", ei = "#000", ti = "#0000", ni = "mousemove", ri = "mousedown", ii = "mouseup", ai = "mouseenter", oi = "mouseleave", si = "dblclick", ci = "resize", li = "scroll", ui = "change", di = "dppxchange", fi = "--", pi = typeof window < "u", mi = pi ? document : null, hi = pi ? window : null, gi = pi ? navigator : null, J, _i;
+function vi() {
 	let e = devicePixelRatio;
-	q != e && (q = e, di && Ei(ii, di, fi), di = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), Ti(ii, di, fi), li.dispatchEvent(new CustomEvent(ai)));
+	J != e && (J = e, _i && Ni(ui, _i, vi), _i = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Mi(ui, _i, vi), hi.dispatchEvent(new CustomEvent(di)));
 }
-function pi(e, t) {
+function yi(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function mi(e, t) {
+function bi(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function J(e, t, n) {
+function xi(e, t, n) {
 	e.style[t] = n + "px";
 }
-function hi(e, t, n, r) {
-	let i = ci.createElement(e);
-	return t != null && pi(i, t), n?.insertBefore(i, r), i;
-}
-function gi(e, t) {
-	return hi("div", e, t);
-}
-var _i = /* @__PURE__ */ new WeakMap();
-function vi(e, t, n, r, i) {
-	let a = "translate(" + t + "px," + n + "px)";
-	a != _i.get(e) && (e.style.transform = a, _i.set(e, a), t < 0 || n < 0 || t > r || n > i ? pi(e, Ar) : mi(e, Ar));
-}
-var yi = /* @__PURE__ */ new WeakMap();
-function bi(e, t, n) {
-	let r = t + n;
-	r != yi.get(e) && (yi.set(e, r), e.style.background = t, e.style.borderColor = n);
-}
-var xi = /* @__PURE__ */ new WeakMap();
 function Si(e, t, n, r) {
-	let i = t + "" + n;
-	i != xi.get(e) && (xi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	let i = mi.createElement(e);
+	return t != null && yi(i, t), n?.insertBefore(i, r), i;
 }
-var Ci = { passive: !0 }, wi = {
-	...Ci,
+function Ci(e, t) {
+	return Si("div", e, t);
+}
+var wi = /* @__PURE__ */ new WeakMap();
+function Ti(e, t, n, r, i) {
+	let a = "translate(" + t + "px," + n + "px)";
+	a != wi.get(e) && (e.style.transform = a, wi.set(e, a), t < 0 || n < 0 || t > r || n > i ? yi(e, Ir) : bi(e, Ir));
+}
+var Ei = /* @__PURE__ */ new WeakMap();
+function Di(e, t, n) {
+	let r = t + n;
+	r != Ei.get(e) && (Ei.set(e, r), e.style.background = t, e.style.borderColor = n);
+}
+var Oi = /* @__PURE__ */ new WeakMap();
+function ki(e, t, n, r) {
+	let i = t + "" + n;
+	i != Oi.get(e) && (Oi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+}
+var Ai = { passive: !0 }, ji = {
+	...Ai,
 	capture: !0
 };
-function Ti(e, t, n, r) {
-	t.addEventListener(e, n, r ? wi : Ci);
+function Mi(e, t, n, r) {
+	t.addEventListener(e, n, r ? ji : Ai);
 }
-function Ei(e, t, n, r) {
-	t.removeEventListener(e, n, Ci);
+function Ni(e, t, n, r) {
+	t.removeEventListener(e, n, Ai);
 }
-si && fi();
-function Di(e, t, n, r) {
+pi && vi();
+function Pi(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : Ji((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : ta((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Oi(e) {
+function Fi(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4639,9 +4664,9 @@ function Oi(e) {
 		return [i, a];
 	};
 }
-var ki = (e) => e != null, Ai = (e) => e != null && e > 0, ji = Oi(ki), Mi = Oi(Ai);
-function Ni(e, t, n, r = 0, i = !1) {
-	let a = i ? Mi : ji, o = i ? Ai : ki;
+var Ii = (e) => e != null, Li = (e) => e != null && e > 0, Ri = Fi(Ii), zi = Fi(Li);
+function Bi(e, t, n, r = 0, i = !1) {
+	let a = i ? zi : Ri, o = i ? Li : Ii;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4652,106 +4677,106 @@ function Ni(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? aa, c ?? -aa];
+	return [s ?? fa, c ?? -fa];
 }
-function Pi(e, t, n, r) {
-	let i = ea(e), a = ea(t);
+function Vi(e, t, n, r) {
+	let i = sa(e), a = sa(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? ta : na, s = i == 1 ? Ji : Xi, c = a == 1 ? Xi : Ji, l = s(o(qi(e))), u = c(o(qi(t))), d = $i(n, l), f = $i(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ya(e, d), t = va(t, f)), [e, t];
+	let o = n == 10 ? ca : la, s = i == 1 ? ta : ra, c = a == 1 ? ra : ta, l = s(o(ea(e))), u = c(o(ea(t))), d = oa(n, l), f = oa(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Ea(e, d), t = Ta(t, f)), [e, t];
 }
-function Fi(e, t, n, r) {
-	let i = Pi(e, t, n, r);
+function Hi(e, t, n, r) {
+	let i = Vi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Ii = .1, Li = {
+var Ui = .1, Wi = {
 	mode: 3,
-	pad: Ii
-}, Ri = {
+	pad: Ui
+}, Gi = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, zi = {
-	min: Ri,
-	max: Ri
+}, Ki = {
+	min: Gi,
+	max: Gi
 };
-function Bi(e, t, n, r) {
-	return Aa(n) ? Hi(e, t, n) : (Ri.pad = n, Ri.soft = r ? 0 : null, Ri.mode = r ? 3 : 0, Hi(e, t, zi));
+function qi(e, t, n, r) {
+	return La(n) ? Yi(e, t, n) : (Gi.pad = n, Gi.soft = r ? 0 : null, Gi.mode = r ? 3 : 0, Yi(e, t, Ki));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function Vi(e, t, n) {
+function Ji(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Hi(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -aa), c = Y(i.hard, aa), l = Y(r.soft, aa), u = Y(i.soft, -aa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ta(p), h = Qi(qi(e), qi(t)), g = qi(ta(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != aa && (a = 0), f == 2 && u != -aa && (o = 0)));
-	let _ = p || h || 1e3, v = $i(10, Ji(ta(_))), y = Z(ya(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : aa, x = Qi(s, y < b && e >= b ? b : Zi(b, y)), S = Z(va(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -aa, w = Zi(c, S > C && t <= C ? C : Qi(C, S));
+function Yi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -fa), c = Y(i.hard, fa), l = Y(r.soft, fa), u = Y(i.soft, -fa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ca(p), h = aa(ea(e), ea(t)), g = ea(ca(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != fa && (a = 0), f == 2 && u != -fa && (o = 0)));
+	let _ = p || h || 1e3, v = oa(10, ta(ca(_))), y = Z(Ea(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : fa, x = aa(s, y < b && e >= b ? b : ia(b, y)), S = Z(Ta(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -fa, w = ia(c, S > C && t <= C ? C : aa(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Ui = new Intl.NumberFormat(si ? ui.language : "en-US"), Wi = (e) => Ui.format(e), Gi = Math, Ki = Gi.PI, qi = Gi.abs, Ji = Gi.floor, Yi = Gi.round, Xi = Gi.ceil, Zi = Gi.min, Qi = Gi.max, $i = Gi.pow, ea = Gi.sign, ta = Gi.log10, na = Gi.log2, ra = (e, t = 1) => Gi.sinh(e) * t, ia = (e, t = 1) => Gi.asinh(e / t), aa = Infinity;
-function oa(e) {
-	return (ta((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Xi = new Intl.NumberFormat(pi ? gi.language : "en-US"), Zi = (e) => Xi.format(e), Qi = Math, $i = Qi.PI, ea = Qi.abs, ta = Qi.floor, na = Qi.round, ra = Qi.ceil, ia = Qi.min, aa = Qi.max, oa = Qi.pow, sa = Qi.sign, ca = Qi.log10, la = Qi.log2, ua = (e, t = 1) => Qi.sinh(e) * t, da = (e, t = 1) => Qi.asinh(e / t), fa = Infinity;
+function pa(e) {
+	return (ca((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function sa(e, t, n) {
-	return Zi(Qi(e, t), n);
+function ma(e, t, n) {
+	return ia(aa(e, t), n);
 }
-function ca(e) {
+function ha(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return ca(e) ? e : () => e;
+	return ha(e) ? e : () => e;
 }
-var la = () => {}, ua = (e) => e, da = (e, t) => t, fa = (e) => null, pa = (e) => !0, ma = (e, t) => e == t, ha = /\.\d*?(?=9{6,}|0{6,})/gm, ga = (e) => {
-	if (Da(e) || ba.has(e)) return e;
-	let t = `${e}`, n = t.match(ha);
+var ga = () => {}, _a = (e) => e, va = (e, t) => t, ya = (e) => null, ba = (e) => !0, xa = (e, t) => e == t, Sa = /\.\d*?(?=9{6,}|0{6,})/gm, Ca = (e) => {
+	if (Pa(e) || Da.has(e)) return e;
+	let t = `${e}`, n = t.match(Sa);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${ga(e)}e${n}`;
+		return +`${Ca(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function _a(e, t) {
-	return ga(Z(ga(e / t)) * t);
+function wa(e, t) {
+	return Ca(Z(Ca(e / t)) * t);
 }
-function va(e, t) {
-	return ga(Xi(ga(e / t)) * t);
+function Ta(e, t) {
+	return Ca(ra(Ca(e / t)) * t);
 }
-function ya(e, t) {
-	return ga(Ji(ga(e / t)) * t);
+function Ea(e, t) {
+	return Ca(ta(Ca(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Da(e)) return e;
+	if (Pa(e)) return e;
 	let n = 10 ** t;
-	return Yi(e * n * (1 + 2 ** -52)) / n;
+	return na(e * n * (1 + 2 ** -52)) / n;
 }
-var ba = /* @__PURE__ */ new Map();
-function xa(e) {
+var Da = /* @__PURE__ */ new Map();
+function Oa(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Sa(e, t, n, r) {
-	let i = [], a = r.map(xa);
+function ka(e, t, n, r) {
+	let i = [], a = r.map(Oa);
 	for (let o = t; o < n; o++) {
-		let t = qi(o), n = Z($i(e, o), t);
+		let t = ea(o), n = Z(oa(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), ba.set(u, l);
+			i.push(u), Da.set(u, l);
 		}
 	}
 	return i;
 }
-var Ca = {}, wa = [], Ta = [null, null], Ea = Array.isArray, Da = Number.isInteger, Oa = (e) => e === void 0;
-function ka(e) {
+var Aa = {}, ja = [], Ma = [null, null], Na = Array.isArray, Pa = Number.isInteger, Fa = (e) => e === void 0;
+function Ia(e) {
 	return typeof e == "string";
 }
-function Aa(e) {
+function La(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4759,35 +4784,35 @@ function Aa(e) {
 	}
 	return t;
 }
-function ja(e) {
+function Ra(e) {
 	return typeof e == "object" && !!e;
 }
-var Ma = Object.getPrototypeOf(Uint8Array), Na = "__proto__";
-function Pa(e, t = Aa) {
+var za = Object.getPrototypeOf(Uint8Array), Ba = "__proto__";
+function Va(e, t = La) {
 	let n;
-	if (Ea(e)) {
+	if (Na(e)) {
 		let r = e.find((e) => e != null);
-		if (Ea(r) || t(r)) {
+		if (Na(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Pa(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Va(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Ma) n = e.slice();
+	} else if (e instanceof za) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Na && (n[r] = Pa(e[r], t));
+		for (let r in e) r != Ba && (n[r] = Va(e[r], t));
 	} else n = e;
 	return n;
 }
-function Fa(e) {
+function Ha(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Na && (Aa(e[t]) ? Fa(e[t], Pa(r[t])) : e[t] = Pa(r[t]));
+		for (let t in r) t != Ba && (La(e[t]) ? Ha(e[t], Va(r[t])) : e[t] = Va(r[t]));
 	}
 	return e;
 }
-var Ia = 0, La = 1, Ra = 2;
-function za(e, t, n) {
+var Ua = 0, Wa = 1, Ga = 2;
+function Ka(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4796,11 +4821,11 @@ function za(e, t, n) {
 		}
 	}
 }
-function Ba(e, t) {
-	if (Ua(e)) {
+function qa(e, t) {
+	if (Xa(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Wa(t[0]) || (t = Ha(t)), t;
+		return Za(t[0]) || (t = Ya(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4812,18 +4837,18 @@ function Ba(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : La, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Wa, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Ia && (l[n] = t, u == Ra && d.push(n)) : l[n] = t;
+				t === null ? u != Ua && (l[n] = t, u == Ga && d.push(n)) : l[n] = t;
 			}
-			za(l, d, i), r.push(l);
+			Ka(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Va = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ha(e) {
+var Ja = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Ya(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4835,7 +4860,7 @@ function Ha(e) {
 	}
 	return i;
 }
-function Ua(e) {
+function Xa(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4846,14 +4871,14 @@ function Ua(e) {
 	}
 	return !0;
 }
-function Wa(e, t = 100) {
+function Za(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = Qi(1, Ji((i - r + 1) / t));
+	let a = aa(1, ta((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4863,7 +4888,7 @@ function Wa(e, t = 100) {
 	}
 	return !0;
 }
-var Ga = [
+var Qa = [
 	"January",
 	"February",
 	"March",
@@ -4876,7 +4901,7 @@ var Ga = [
 	"October",
 	"November",
 	"December"
-], Ka = [
+], $a = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4885,33 +4910,33 @@ var Ga = [
 	"Friday",
 	"Saturday"
 ];
-function qa(e) {
+function eo(e) {
 	return e.slice(0, 3);
 }
-var Ja = Ka.map(qa), Ya = {
-	MMMM: Ga,
-	MMM: Ga.map(qa),
-	WWWW: Ka,
-	WWW: Ja
+var to = $a.map(eo), no = {
+	MMMM: Qa,
+	MMM: Qa.map(eo),
+	WWWW: $a,
+	WWW: to
 };
-function Xa(e) {
+function ro(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function Za(e) {
+function io(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var Qa = {
+var ao = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => Xa(e.getMonth() + 1),
+	MM: (e) => ro(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => Xa(e.getDate()),
+	DD: (e) => ro(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => Xa(e.getHours()),
+	HH: (e) => ro(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -4920,35 +4945,35 @@ var Qa = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => Xa(e.getMinutes()),
+	mm: (e) => ro(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => Xa(e.getSeconds()),
+	ss: (e) => ro(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => Za(e.getMilliseconds())
+	fff: (e) => io(e.getMilliseconds())
 };
-function $a(e, t) {
-	t ||= Ya;
+function oo(e, t) {
+	t ||= no;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? Qa[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? ao[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var eo = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function to(e, t) {
+var so = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function co(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == eo ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == so ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var no = (e) => e % 1 == 0, ro = [
+var lo = (e) => e % 1 == 0, uo = [
 	1,
 	2,
 	2.5,
 	5
-], io = Sa(10, -32, 0, ro), ao = Sa(10, 0, 32, ro), oo = ao.filter(no), so = io.concat(ao), co = "\n", lo = "{YYYY}", uo = co + lo, fo = "{M}/{D}", po = co + fo, mo = po + "/{YY}", ho = "{aa}", go = "{h}:{mm}" + ho, _o = co + go, vo = ":{ss}", Q = null;
-function yo(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Sa(10, 0, 3, ro).filter(no) : Sa(10, -3, 0, ro)).concat([
+], fo = ka(10, -32, 0, uo), po = ka(10, 0, 32, uo), mo = po.filter(lo), ho = fo.concat(po), go = "\n", _o = "{YYYY}", vo = go + _o, yo = "{M}/{D}", bo = go + yo, xo = bo + "/{YY}", So = "{aa}", Co = "{h}:{mm}" + So, wo = go + Co, To = ":{ss}", Q = null;
+function Eo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? ka(10, 0, 3, uo).filter(lo) : ka(10, -3, 0, uo)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -4992,7 +5017,7 @@ function yo(e) {
 	]), c = [
 		[
 			o,
-			lo,
+			_o,
 			Q,
 			Q,
 			Q,
@@ -5004,7 +5029,7 @@ function yo(e) {
 		[
 			i * 28,
 			"{MMM}",
-			uo,
+			vo,
 			Q,
 			Q,
 			Q,
@@ -5014,8 +5039,8 @@ function yo(e) {
 		],
 		[
 			i,
-			fo,
-			uo,
+			yo,
+			vo,
 			Q,
 			Q,
 			Q,
@@ -5025,10 +5050,10 @@ function yo(e) {
 		],
 		[
 			r,
-			"{h}" + ho,
-			mo,
+			"{h}" + So,
+			xo,
 			Q,
-			po,
+			bo,
 			Q,
 			Q,
 			Q,
@@ -5036,10 +5061,10 @@ function yo(e) {
 		],
 		[
 			n,
-			go,
-			mo,
+			Co,
+			xo,
 			Q,
-			po,
+			bo,
 			Q,
 			Q,
 			Q,
@@ -5047,42 +5072,42 @@ function yo(e) {
 		],
 		[
 			t,
-			vo,
-			mo + " " + go,
+			To,
+			xo + " " + Co,
 			Q,
-			po + " " + go,
+			bo + " " + Co,
 			Q,
-			_o,
+			wo,
 			Q,
 			1
 		],
 		[
 			e,
-			vo + ".{fff}",
-			mo + " " + go,
+			To + ".{fff}",
+			xo + " " + Co,
 			Q,
-			po + " " + go,
+			bo + " " + Co,
 			Q,
-			_o,
+			wo,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = ko(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Io(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(ko(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(Yi(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Io(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(na(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = ko(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Io(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (Ji(l) - Ji(_)) + va(_ - y, a);
+				let a = d >= i ? i : d, o = y + (ta(l) - ta(_)) + Ta(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = Ji(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = ta(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5097,12 +5122,12 @@ function yo(e) {
 		l
 	];
 }
-var [bo, xo, So] = yo(1), [Co, wo, To] = yo(.001);
-Sa(2, -53, 53, [1]);
-function Eo(e, t) {
+var [Do, Oo, ko] = Eo(1), [Ao, jo, Mo] = Eo(.001);
+ka(2, -53, 53, [1]);
+function No(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Do(e, t) {
+function Po(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5111,98 +5136,98 @@ function Do(e, t) {
 		});
 	};
 }
-function Oo(e, t) {
-	let n = $a(t);
+function Fo(e, t) {
+	let n = oo(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function ko(e, t, n) {
+function Io(e, t, n) {
 	return new Date(e, t, n);
 }
-function Ao(e, t) {
+function Lo(e, t) {
 	return t(e);
 }
-var jo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Mo(e, t) {
-	return (n, r, i, a) => a == null ? oi : t(e(r));
+var Ro = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function zo(e, t) {
+	return (n, r, i, a) => a == null ? fi : t(e(r));
 }
-function No(e, t) {
+function Bo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Po(e, t) {
+function Vo(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Fo = {
+var Ho = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: la,
+	mount: ga,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: No,
-		fill: Po,
+		stroke: Bo,
+		fill: Vo,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Io(e, t) {
-	let n = e.cursor.points, r = gi(), i = n.size(e, t);
-	J(r, Hr, i), J(r, Ur, i);
+function Uo(e, t) {
+	let n = e.cursor.points, r = Ci(), i = n.size(e, t);
+	xi(r, Jr, i), xi(r, Yr, i);
 	let a = i / -2;
-	J(r, "marginLeft", a), J(r, "marginTop", a);
+	xi(r, "marginLeft", a), xi(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && J(r, "borderWidth", o), r;
+	return o && xi(r, "borderWidth", o), r;
 }
-function Lo(e, t) {
+function Wo(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function Ro(e, t) {
+function Go(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function zo(e, t) {
+function Ko(e, t) {
 	return e.series[t].points.size;
 }
-var Bo = [0, 0];
-function Vo(e, t, n) {
-	return Bo[0] = t, Bo[1] = n, Bo;
+var qo = [0, 0];
+function Jo(e, t, n) {
+	return qo[0] = t, qo[1] = n, qo;
 }
-function Ho(e, t, n, r = !0) {
+function Yo(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Uo(e, t, n, r = !0) {
+function Xo(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Wo = {
+var Zo = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Vo,
+	move: Jo,
 	points: {
 		one: !1,
-		show: Io,
-		size: zo,
+		show: Uo,
+		size: Ko,
 		width: 0,
-		stroke: Ro,
-		fill: Lo
+		stroke: Go,
+		fill: Wo
 	},
 	bind: {
-		mousedown: Ho,
-		mouseup: Ho,
-		click: Ho,
-		dblclick: Ho,
-		mousemove: Uo,
-		mouseleave: Uo,
-		mouseenter: Uo
+		mousedown: Yo,
+		mouseup: Yo,
+		click: Yo,
+		dblclick: Yo,
+		mousemove: Xo,
+		mouseleave: Xo,
+		mouseenter: Xo
 	},
 	drag: {
 		setScale: !0,
@@ -5232,139 +5257,139 @@ var Wo = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Go = {
+}, Qo = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, Ko = Fa({}, Go, { filter: da }), qo = Fa({}, Ko, { size: 10 }), Jo = Fa({}, Go, { show: !1 }), Yo = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", Xo = "bold " + Yo, Zo = 1.5, Qo = {
+}, $o = Ha({}, Qo, { filter: va }), es = Ha({}, $o, { size: 10 }), ts = Ha({}, Qo, { show: !1 }), ns = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", rs = "bold " + ns, is = 1.5, as = {
 	show: !0,
 	scale: "x",
-	stroke: Jr,
+	stroke: ei,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Xo,
+	labelFont: rs,
 	side: 2,
-	grid: Ko,
-	ticks: qo,
-	border: Jo,
-	font: Yo,
-	lineGap: Zo,
+	grid: $o,
+	ticks: es,
+	border: ts,
+	font: ns,
+	lineGap: is,
 	rotate: 0
-}, $o = "Value", es = "Time", ts = {
+}, os = "Value", ss = "Time", cs = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: aa,
+	min: fa,
 	max: -Infinity,
 	idxs: []
 };
-function ns(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Wi(e));
+function ls(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Zi(e));
 }
-function rs(e, t, n, r, i, a, o) {
-	let s = [], c = ba.get(i) || 0;
-	n = o ? n : Z(va(n, i), c);
+function us(e, t, n, r, i, a, o) {
+	let s = [], c = Da.get(i) || 0;
+	n = o ? n : Z(Ta(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function is(e, t, n, r, i, a, o) {
+function ds(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = $i(c, Ji((c == 10 ? ta : na)(n))), c == 10 && (i = so[Di(i, so)]);
+	i = oa(c, ta((c == 10 ? ca : la)(n))), c == 10 && (i = ho[Pi(i, ho)]);
 	let l = n, u = i * c;
-	c == 10 && (u = so[Di(u, so)]);
+	c == 10 && (u = ho[Pi(u, ho)]);
 	do
-		s.push(l), l += i, c == 10 && !ba.has(l) && (l = Z(l, ba.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = so[Di(u, so)]));
+		s.push(l), l += i, c == 10 && !Da.has(l) && (l = Z(l, Da.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ho[Pi(u, ho)]));
 	while (l <= r);
 	return s;
 }
-function as(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? is(e, t, Qi(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? is(e, t, Qi(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function fs(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? ds(e, t, aa(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? ds(e, t, aa(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var os = /./, ss = /[12357]/, cs = /[125]/, ls = /1/, us = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function ds(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? os : c(7, o) - u >= l ? ss : c(5, o) - u >= l ? cs : ls;
-	if (d == ls) {
-		let e = qi(c(1, o) - u);
-		if (e < l) return us(t.slice().reverse(), s.distr, d, Xi(l / e)).reverse();
+var ps = /./, ms = /[12357]/, hs = /[125]/, gs = /1/, _s = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function vs(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ps : c(7, o) - u >= l ? ms : c(5, o) - u >= l ? hs : gs;
+	if (d == gs) {
+		let e = ea(c(1, o) - u);
+		if (e < l) return _s(t.slice().reverse(), s.distr, d, ra(l / e)).reverse();
 	}
-	return us(t, s.distr, d, 1);
+	return _s(t, s.distr, d, 1);
 }
-function fs(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = qi(c(1, o) - c(2, o));
-	return l < s ? us(t.slice().reverse(), 3, os, Xi(s / l)).reverse() : t;
+function ys(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = ea(c(1, o) - c(2, o));
+	return l < s ? _s(t.slice().reverse(), 3, ps, ra(s / l)).reverse() : t;
 }
-function ps(e, t, n, r) {
-	return r == null ? oi : t == null ? "" : Wi(t);
+function bs(e, t, n, r) {
+	return r == null ? fi : t == null ? "" : Zi(t);
 }
-var ms = {
+var xs = {
 	show: !0,
 	scale: "y",
-	stroke: Jr,
+	stroke: ei,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: Xo,
+	labelFont: rs,
 	side: 3,
-	grid: Ko,
-	ticks: qo,
-	border: Jo,
-	font: Yo,
-	lineGap: Zo,
+	grid: $o,
+	ticks: es,
+	border: ts,
+	font: ns,
+	lineGap: is,
 	rotate: 0
 };
-function hs(e, t) {
+function Ss(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function gs(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = qi(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
+function Cs(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = ea(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
 	return r[1] - r[0] <= o;
 }
-var _s = {
+var ws = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: aa,
+	min: fa,
 	max: -Infinity
-}, vs = (e, t, n, r, i) => i, ys = {
+}, Ts = (e, t, n, r, i) => i, Es = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: vs,
+	gaps: Ts,
 	alpha: 1,
-	facets: [Fa({}, _s, { scale: "x" }), Fa({}, _s, { scale: "y" })]
-}, bs = {
+	facets: [Ha({}, ws, { scale: "x" }), Ha({}, ws, { scale: "y" })]
+}, Ds = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: vs,
+	gaps: Ts,
 	alpha: 1,
 	points: {
-		show: gs,
+		show: Cs,
 		filter: null
 	},
 	values: null,
-	min: aa,
+	min: fa,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function xs(e, t, n, r, i) {
+function Os(e, t, n, r, i) {
 	return n / 10;
 }
-var Ss = {
-	time: xr,
+var ks = {
+	time: Dr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5373,12 +5398,12 @@ var Ss = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Cs = Fa({}, Ss, {
+}, As = Ha({}, ks, {
 	time: !1,
 	ori: 1
-}), ws = {};
-function Ts(e, t) {
-	let n = ws[e];
+}), js = {};
+function Ms(e, t) {
+	let n = js[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5391,38 +5416,38 @@ function Ts(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (ws[e] = n)), n;
+	}, e != null && (js[e] = n)), n;
 }
-var Es = 1, Ds = 2;
-function Os(e, t, n) {
+var Ns = 1, Ps = 2;
+function Fs(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ls, zs, Vs, Us, Gs) : n(i, c, l, u, d, _, g, p, f, h, m, Rs, Bs, Hs, Ws, Ks);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ws, Ks, Js, Xs, Qs) : n(i, c, l, u, d, _, g, p, f, h, m, Gs, qs, Ys, Zs, $s);
 }
-function ks(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, wa);
+function Is(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, ja);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function As(e, t, n, r, i) {
+function Ls(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function js(e, t, n, r, i, a) {
-	return Os(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? zs : Bs, v, y;
+function Rs(e, t, n, r, i, a) {
+	return Fs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ks : qs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Ms(e, t, n, r, i, a) {
+function zs(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Vs : Hs, c = n;
+		let s = t == 0 ? Js : Ys, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5435,11 +5460,11 @@ function Ms(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Ns(e, t, n) {
+function Bs(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Ps(e, t, n, r, i, a, o) {
+function Vs(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5452,11 +5477,11 @@ function Ps(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Fs(e) {
-	return e == 0 ? ua : e == 1 ? Yi : (t) => _a(t, e);
+function Hs(e) {
+	return e == 0 ? _a : e == 1 ? na : (t) => wa(t, e);
 }
-function Is(e) {
-	let t = e == 0 ? Ls : Rs, n = e == 0 ? (e, t, n, r, i, a) => {
+function Us(e) {
+	let t = e == 0 ? Ws : Gs, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5466,36 +5491,36 @@ function Is(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = Zi(c, o / 2, s / 2), l = Zi(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = ia(c, o / 2, s / 2), l = ia(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Ls = (e, t, n) => {
+var Ws = (e, t, n) => {
 	e.moveTo(t, n);
-}, Rs = (e, t, n) => {
+}, Gs = (e, t, n) => {
 	e.moveTo(n, t);
-}, zs = (e, t, n) => {
+}, Ks = (e, t, n) => {
 	e.lineTo(t, n);
-}, Bs = (e, t, n) => {
+}, qs = (e, t, n) => {
 	e.lineTo(n, t);
-}, Vs = Is(0), Hs = Is(1), Us = (e, t, n, r, i, a) => {
+}, Js = Us(0), Ys = Us(1), Xs = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Ws = (e, t, n, r, i, a) => {
+}, Zs = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Gs = (e, t, n, r, i, a, o) => {
+}, Qs = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, Ks = (e, t, n, r, i, a, o) => {
+}, $s = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function qs(e) {
-	return (e, t, n, r, i) => Os(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function ec(e) {
+	return (e, t, n, r, i) => Fs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Ls, v = Us) : (_ = Rs, v = Ws);
-		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Vs(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Ws, v = Xs) : (_ = Gs, v = Zs);
+		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		Js(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, Ki * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, $i * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5508,25 +5533,25 @@ function qs(e) {
 		};
 	});
 }
-function Js(e) {
+function tc(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var Ys = Js(zs), Xs = Js(Bs);
-function Zs(e) {
+var nc = tc(Ks), rc = tc(qs);
+function ic(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => Os(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = ji(s, r, i);
+	return (e, n, r, i) => Fs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Ri(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = zs, b = Ys) : (y = Bs, b = Xs);
+		c.ori == 0 ? (y = Ks, b = nc) : (y = qs, b = rc);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Es
+			flags: Ns
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5539,29 +5564,29 @@ function Zs(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = ks(e, n);
+		let [T, E] = Is(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Ps(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ms(l, c.ori, f, p, m, h);
+			w && l.push(...Vs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = zs(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [js(e, n, r, i, C, -1), js(e, n, r, i, C, 1)] : js(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Rs(e, n, r, i, C, -1), Rs(e, n, r, i, C, 1)] : Rs(e, n, r, i, C, E)), S;
 	});
 }
-function Qs(e) {
+function ac(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => Os(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = ji(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? zs : Bs, T = {
+	return (e, a, o, s) => Fs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Ri(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ks : qs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Es
+			flags: Ns
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5572,101 +5597,101 @@ function Qs(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = ks(e, a);
+		let [te, ne] = Is(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Ps(l, u, o, s, D, S, r));
-			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Vs(l, u, o, s, D, S, r));
+			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ms(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = zs(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [js(e, a, o, s, E, -1), js(e, a, o, s, E, 1)] : js(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [Rs(e, a, o, s, E, -1), Rs(e, a, o, s, E, 1)] : Rs(e, a, o, s, E, ne)), T;
 	});
 }
-function $s(e, t, n, r, i, a, o = aa) {
+function oc(e, t, n, r, i, a, o = fa) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = qi(e[c] - e[s]);
-				t < l && (l = t, o = qi(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = ea(e[c] - e[s]);
+				t < l && (l = t, o = ea(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function ec(e) {
-	e ||= Ca;
+function sc(e) {
+	e ||= Aa;
 	let t = Y(e.size, [
 		.6,
-		aa,
+		fa,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], aa), c = Y(t[2], 1), l = Y(e.disp, Ca), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Os(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], fa), c = Y(t[2], 1), l = Y(e.disp, Aa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Fs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Vs : Hs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Js : Ys, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, wa).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
-		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
-			e != null && le.set(e, new Path2D());
-		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
-			e != null && de.set(e, new Path2D());
+		}, re = Y(e.bands, ja).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, se = C, F = T(m.width * J), ce = !1, le = null, ue = null, de = null, fe = null;
+		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
+			e != null && ue.set(e, new Path2D());
+		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
+			e != null && fe.set(e, new Path2D());
 		})));
-		let { x0: fe, size: pe } = l;
-		if (fe != null && pe != null) {
-			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = $s(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = $s(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = ua);
-		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(sa(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
-		let ge = {
+		let { x0: pe, size: me } = l;
+		if (pe != null && me != null) {
+			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = me.values(e, t, i, p);
+			P = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), se = oc(h, g, y, _, C, x, se), oe = se - P + D;
+		} else se = oc(h, g, y, _, C, x, se), oe = se * o + D, P = se - oe;
+		oe < 1 && (oe = 0), F >= P / 2 && (F = 0), oe < 5 && (T = _a);
+		let he = oe > 0, ge = se - oe - (he ? F : 0);
+		P = T(ma(ge, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
+		let _e = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, _e = se ? null : new Path2D(), ve = null;
-		if (re != null) ve = e.data[re.series[1]];
+		}, ve = ce ? null : new Path2D(), ye = null;
+		if (re != null) ye = e.data[re.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ye = n.values(e, t, i, p));
 		}
-		let ye = A * P, be = j * P;
+		let be = A * P, xe = j * P;
 		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ve != null) {
-				let e = ve[n] ?? 0;
+			if (ye != null) {
+				let e = ye[n] ?? 0;
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(Qi(a, M)), c = T(Zi(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(aa(a, M)), c = T(ia(a, M)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + Ji(I / 2), P, Qi(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + Ji(I / 2), P, Qi(0, u - I), i, a)) : te(_e, o, c + Ji(I / 2), P, Qi(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
+				ce ? (F > 0 && de[n] != null && te(fe.get(de[n]), o, c + ta(F / 2), P, aa(0, u - F), i, a), le[n] != null && te(ue.get(le[n]), o, c + ta(F / 2), P, aa(0, u - F), i, a)) : te(ve, o, c + ta(F / 2), P, aa(0, u - F), i, a), ne(e, t, n, o - F / 2, c, P + F, u);
 			}
 		}
-		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
 	});
 }
-function tc(e, t) {
+function cc(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => Os(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = ji(c, i, a);
+	return (t, r, i, a) => Fs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Ri(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Ls, S = zs, x = Gs) : (b = Rs, S = Bs, x = Ks);
+		l.ori == 0 ? (b = Ws, S = Ks, x = Qs) : (b = Gs, S = qs, x = $s);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5678,23 +5703,23 @@ function tc(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Es
-		}, k = O.stroke, [A, j] = ks(t, r);
+			flags: Ns
+		}, k = O.stroke, [A, j] = Is(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Ps(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ms(e, l.ori, p, m, h, g);
+			e.push(...Vs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = zs(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [js(t, r, i, a, k, -1), js(t, r, i, a, k, 1)] : js(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [Rs(t, r, i, a, k, -1), Rs(t, r, i, a, k, 1)] : Rs(t, r, i, a, k, j)), O;
 	});
 }
-function nc(e) {
-	return tc(rc, e);
+function lc(e) {
+	return cc(uc, e);
 }
-function rc(e, t, n, r, i, a) {
+function uc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5709,61 +5734,61 @@ function rc(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var ic = /* @__PURE__ */ new Set();
-function ac() {
-	for (let e of ic) e.syncRect(!0);
+var dc = /* @__PURE__ */ new Set();
+function fc() {
+	for (let e of dc) e.syncRect(!0);
 }
-si && (Ti(ni, li, ac), Ti(ri, li, ac, !0), Ti(ai, li, () => {
-	xc.pxRatio = q;
+pi && (Mi(ci, hi, fc), Mi(li, hi, fc, !0), Mi(di, hi, () => {
+	Oc.pxRatio = J;
 }));
-var oc = Zs(), sc = qs();
-function cc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => uc(e, r, t, n));
+var pc = ic(), mc = ec();
+function hc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => _c(e, r, t, n));
 }
-function lc(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Fa({}, t, e));
+function gc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ha({}, t, e));
 }
-function uc(e, t, n, r) {
-	return Fa({}, t == 0 ? n : r, e);
+function _c(e, t, n, r) {
+	return Ha({}, t == 0 ? n : r, e);
 }
-function dc(e, t, n) {
-	return t == null ? Ta : [t, n];
+function vc(e, t, n) {
+	return t == null ? Ma : [t, n];
 }
-var fc = dc;
-function pc(e, t, n) {
-	return t == null ? Ta : Bi(t, n, Ii, !0);
+var yc = vc;
+function bc(e, t, n) {
+	return t == null ? Ma : qi(t, n, Ui, !0);
 }
-function mc(e, t, n, r) {
-	return t == null ? Ta : Pi(t, n, e.scales[r].log, !1);
+function xc(e, t, n, r) {
+	return t == null ? Ma : Vi(t, n, e.scales[r].log, !1);
 }
-var hc = mc;
-function gc(e, t, n, r) {
-	return t == null ? Ta : Fi(t, n, e.scales[r].log, !1);
+var Sc = xc;
+function Cc(e, t, n, r) {
+	return t == null ? Ma : Hi(t, n, e.scales[r].log, !1);
 }
-var _c = gc;
-function vc(e, t, n, r, i) {
-	let a = Qi(oa(e), oa(t)), o = t - e, s = Di(i / r * o, n);
+var wc = Cc;
+function Tc(e, t, n, r, i) {
+	let a = aa(pa(e), pa(t)), o = t - e, s = Pi(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? ba.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? Da.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function yc(e) {
+function Ec(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = Yi((n = +r) * q)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = na((n = +r) * J)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function bc(e) {
+function Dc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * q, 1);
+		let t = Z(e[2] * J, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function xc(e, t, n) {
+function Oc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5779,33 +5804,33 @@ function xc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = gi(Sr);
-	if (e.id != null && (l.id = e.id), pi(l, e.class), e.title) {
-		let t = gi(Tr, l);
+	let l = r.root = Ci(Or);
+	if (e.id != null && (l.id = e.id), yi(l, e.class), e.title) {
+		let t = Ci(jr, l);
 		t.textContent = e.title;
 	}
-	let u = hi("canvas"), d = r.ctx = u.getContext("2d"), f = gi(Er, l);
-	Ti("click", f, (e) => {
-		e.target === m && (U != tn || W != nn) && sn.click(r, e);
+	let u = Si("canvas"), d = r.ctx = u.getContext("2d"), f = Ci(Mr, l);
+	Mi("click", f, (e) => {
+		e.target === m && (H != nn || U != rn) && W.click(r, e);
 	}, !0);
-	let p = r.under = gi(Dr, f);
+	let p = r.under = Ci(Nr, f);
 	f.appendChild(u);
-	let m = r.over = gi(Or, f);
-	e = Pa(e);
-	let h = +Y(e.pxAlign, 1), g = Fs(h);
+	let m = r.over = Ci(Pr, f);
+	e = Va(e);
+	let h = +Y(e.pxAlign, 1), g = Hs(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? cc(e.series || [], ts, bs, !1) : lc(e.series || [null], ys), y = r.axes = cc(e.axes || [], Qo, ms, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? hc(e.series || [], cs, Ds, !1) : gc(e.series || [null], Es), y = r.axes = hc(e.axes || [], as, xs, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: zt,
-		series: Ot
+		axes: Bt,
+		series: kt
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => ta(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ia(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => ca(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => da(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5814,30 +5839,30 @@ function xc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Ca)[t] || Ca;
+			let r = (e.scales || Aa)[t] || Aa;
 			if (r.from != null) {
 				E(r.from);
-				let e = Fa({}, b[r.from], r, { key: t });
+				let e = Ha({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Fa({}, t == S ? Ss : Cs, r), n.key = t;
-				let e = n.time, a = n.range, o = Ea(a);
+				n = b[t] = Ha({}, t == S ? ks : As, r), n.key = t;
+				let e = n.time, a = n.range, o = Na(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Li : {
+					min: a[0] == null ? Wi : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Li : {
+					max: a[1] == null ? Wi : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Aa(a))) {
+				}, o = !1), !o && La(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Ta : Bi(n, r, e);
+					a = (t, n, r) => n == null ? Ma : qi(n, r, e);
 				}
-				n.range = X(a || (e ? fc : t == S ? n.distr == 3 ? hc : n.distr == 4 ? _c : dc : n.distr == 3 ? mc : n.distr == 4 ? gc : pc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || xs), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? yc : t == S ? n.distr == 3 ? Sc : n.distr == 4 ? wc : vc : n.distr == 3 ? xc : n.distr == 4 ? Cc : bc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Os), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5848,7 +5873,7 @@ function xc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (pi(l, Cr), k = a, A = o) : (pi(l, wr), k = o, A = a);
+	D.ori == 0 ? (yi(l, kr), k = a, A = o) : (yi(l, Ar), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5857,79 +5882,79 @@ function xc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(Yi(e / _))), te = e.fmtDate || $a, ne = _ == 1 ? So(ee) : To(ee), re = Do(ee, Eo(_ == 1 ? xo : wo, te)), ie = Mo(ee, Ao(jo, te)), ae = [], M = r.legend = Fa({}, Fo, e.legend), N = r.cursor = Fa({}, Wo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
-	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
-	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	let ee = e.tzDate || ((e) => new Date(na(e / _))), te = e.fmtDate || oo, ne = _ == 1 ? ko(ee) : Mo(ee), re = Po(ee, No(_ == 1 ? Oo : jo, te)), ie = zo(ee, Lo(Ro, te)), ae = [], M = r.legend = Ha({}, Ho, e.legend), N = r.cursor = Ha({}, Zo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, se = M.markers;
+	M.idxs = ae, se.width = X(se.width), se.dash = X(se.dash), se.stroke = X(se.stroke), se.fill = X(se.fill);
+	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
-		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = oi;
+		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
+		for (let e in fe) me[e] = fi;
 	}
 	if (P) {
-		if (I = hi("table", Fr, l), ce = hi("tbody", null, I), M.mount(r, I), fe) {
-			se = hi("thead", null, I, ce);
-			let e = hi("tr", null, se);
-			for (var me in hi("th", null, e), de) hi("th", Br, e).textContent = me;
-		} else pi(I, Lr), M.live && pi(I, Ir);
+		if (F = Si("table", Vr, l), le = Si("tbody", null, F), M.mount(r, F), pe) {
+			ce = Si("thead", null, F, le);
+			let e = Si("tr", null, ce);
+			for (var he in Si("th", null, e), fe) Si("th", Kr, e).textContent = he;
+		} else yi(F, Ur), M.live && yi(F, Hr);
 	}
-	let he = { show: !0 }, ge = { show: !1 };
-	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return Ta;
-		let n = [], a = hi("tr", Rr, ce, ce.childNodes[t]);
-		pi(a, e.class), e.show || pi(a, Ar);
-		let o = hi("th", null, a);
-		if (F.show) {
-			let e = gi(zr, o);
+	let ge = { show: !0 }, _e = { show: !1 };
+	function ve(e, t) {
+		if (t == 0 && (pe || !M.live || i == 2)) return Ma;
+		let n = [], a = Si("tr", Wr, le, le.childNodes[t]);
+		yi(a, e.class), e.show || yi(a, Ir);
+		let o = Si("th", null, a);
+		if (se.show) {
+			let e = Ci(Gr, o);
 			if (t > 0) {
-				let n = F.width(r, t);
-				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+				let n = se.width(r, t);
+				n && (e.style.border = n + "px " + se.dash(r, t) + " " + se.stroke(r, t)), e.style.background = se.fill(r, t);
 			}
 		}
-		let s = gi(Br, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+		let s = Ci(Kr, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (se.show || (s.style.color = e.width > 0 ? se.stroke(r, t) : se.fill(r, t)), be("click", o, (t) => {
 			if (N._lock) return;
 			We(t);
 			let n = v.indexOf(e);
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
+					r > 0 && pn(r, e ? r == n ? ge : _e : ge, !0, Zn.setSeries);
 				});
-			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
-		}, !1), qe && ye($r, o, (t) => {
-			N._lock || (We(t), mn(v.indexOf(e), Sn, !0, Qn.setSeries));
-		}, !1)), de) {
-			let e = hi("td", Vr, a);
+			} else pn(n, { show: !e.show }, !0, Zn.setSeries);
+		}, !1), qe && be(ai, o, (t) => {
+			N._lock || (We(t), pn(v.indexOf(e), xn, !0, Zn.setSeries));
+		}, !1)), fe) {
+			let e = Si("td", qr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ve = /* @__PURE__ */ new Map();
-	function ye(e, t, n, i = !0) {
-		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (Ti(e, t, a[e] = o), ve.set(t, a));
+	let ye = /* @__PURE__ */ new Map();
+	function be(e, t, n, i = !0) {
+		let a = ye.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (Mi(e, t, a[e] = o), ye.set(t, a));
 	}
-	function be(e, t, n) {
-		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Ei(n, t, r[n]), delete r[n]);
-		e ?? ve.delete(t);
+	function xe(e, t, n) {
+		let r = ye.get(t) || {};
+		for (let n in r) (e == null || n == e) && (Ni(n, t, r[n]), delete r[n]);
+		e ?? ye.delete(t);
 	}
-	let xe = 0, Se = 0, L = 0, R = 0, Ce = 0, z = 0, we = Ce, Te = z, Ee = L, De = R, Oe = 0, ke = 0, Ae = 0, je = 0;
+	let Se = 0, Ce = 0, I = 0, L = 0, R = 0, we = 0, Te = R, z = we, Ee = I, De = L, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
 	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
 	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, Gt();
+		(n || e != r.width || t != r.height) && ze(e, t), Vt(!1), Pe = !0, Ne = !0, Kt();
 	}
 	function ze(e, t) {
-		r.width = xe = L = e, r.height = Se = R = t, Ce = z = 0, He(), Ue();
+		r.width = Se = I = e, r.height = Ce = L = t, R = we = 0, He(), Ue();
 		let n = r.bbox;
-		Oe = n.left = _a(Ce * q, .5), ke = n.top = _a(z * q, .5), Ae = n.width = _a(L * q, .5), je = n.height = _a(R * q, .5);
+		Oe = n.left = wa(R * J, .5), ke = n.top = wa(we * J, .5), Ae = n.width = wa(I * J, .5), je = n.height = wa(L * J, .5);
 	}
 	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = Lt(t), i = Rt(t);
+			let n = Rt(t), i = zt(t);
 			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
@@ -5942,12 +5967,12 @@ function xc(e, t, n) {
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (L -= c, a == 3 ? (Ce += c, r = !0) : n = !0) : (R -= c, a == 0 ? (z += c, e = !0) : t = !0));
+				c > 0 && (s ? (I -= c, a == 3 ? (R += c, r = !0) : n = !0) : (L -= c, a == 0 ? (we += c, e = !0) : t = !0));
 			}
-		}), B[0] = e, B[1] = n, B[2] = t, B[3] = r, L -= at[1] + at[3], Ce += at[3], R -= at[2] + at[0], z += at[0];
+		}), nt[0] = e, nt[1] = n, nt[2] = t, nt[3] = r, I -= ot[1] + ot[3], R += ot[3], L -= ot[2] + ot[0], we += ot[0];
 	}
 	function Ue() {
-		let e = Ce + L, t = z + R, n = Ce, r = z;
+		let e = R + I, t = we + L, n = R, r = we;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -5969,7 +5994,7 @@ function xc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? aa, u = l >= 0 && l < aa, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? fa, u = l >= 0 && l < fa, d = D.ori == 0 ? I : L, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -5981,7 +6006,7 @@ function xc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && qi(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && ea(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -5991,148 +6016,148 @@ function xc(e, t, n) {
 	N.idxs = ae, N._lock = !1;
 	let Ge = N.points;
 	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = Fa({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
+	let Ke = r.focus = Ha({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
 		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return pi(n, Pr), pi(n, e.class), vi(n, -10, -10, L, R), m.insertBefore(n, Ye[t]), n;
+		if (n instanceof HTMLElement) return yi(n, Br), yi(n, e.class), Ti(n, -10, -10, I, L), m.insertBefore(n, Ye[t]), n;
 	}
 	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? ka(n) ? Mo(ee, Ao(n, te)) : n || ie : n || ps, e.label = e.label || (t ? es : $o);
+			e.value = t ? Ia(n) ? zo(ee, Lo(n, te)) : n || ie : n || bs, e.label = e.label || (t ? ss : os);
 		}
 		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || oc || fa, e.fillTo = X(e.fillTo || As), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Fs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = hs(Qi(1, e.width), 1), n = e.points = Fa({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || pc || ya, e.fillTo = X(e.fillTo || Ls), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Hs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Ss(aa(1, e.width), 1), n = e.points = Ha({}, {
 				size: t,
-				width: Qi(1, t * .2),
+				width: aa(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: sc,
+				paths: mc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
 			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
 		}
 		if (P) {
-			let n = _e(e, t);
-			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+			let n = ve(e, t);
+			ue.splice(t, 0, n[0]), de.splice(t, 0, n[1]), M.values.push(null);
 		}
 		if (oe) {
 			ae.splice(t, 0, null);
 			let n = null;
 			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
 		}
-		Xn("addSeries", t);
+		Yn("addSeries", t);
 	}
 	function et(e, t) {
-		t ??= v.length, e = i == 1 ? uc(e, t, ts, bs) : uc(e, t, {}, ys), v.splice(t, 0, e), $e(v[t], t);
+		t ??= v.length, e = i == 1 ? _c(e, t, cs, Ds) : _c(e, t, {}, Es), v.splice(t, 0, e), $e(v[t], t);
 	}
 	r.addSeries = et;
 	function tt(e) {
 		if (v.splice(e, 1), P) {
-			M.values.splice(e, 1), ue.splice(e, 1);
-			let t = le.splice(e, 1)[0];
-			be(null, t.firstChild), t.remove();
+			M.values.splice(e, 1), de.splice(e, 1);
+			let t = ue.splice(e, 1)[0];
+			xe(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Xn("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Yn("delSeries", e);
 	}
 	r.delSeries = tt;
-	let B = [
+	let nt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function nt(e, t) {
+	function rt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ea(e.incrs) && e.incrs.forEach((e) => {
-				!ba.has(e) && ba.set(e, xa(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? oo : a ? _ == 1 ? bo : Co : so)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? is : i.distr == 4 ? as : rs)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Na(e.incrs) && e.incrs.forEach((e) => {
+				!Da.has(e) && Da.set(e, Oa(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? mo : a ? _ == 1 ? Do : Ao : ho)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? ds : i.distr == 4 ? fs : us)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = Ea(o) && !Ea(o[0]) ? X(o) : a ? Ea(o) ? Do(ee, Eo(o, te)) : ka(o) ? Oo(ee, o) : o || re : o || ns, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ds : i.distr == 3 && i.log == 2 ? fs : da)), e.font = yc(e.font), e.labelFont = yc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (B[t] = !0, e._el = gi(kr, f));
+			e.values = Na(o) && !Na(o[0]) ? X(o) : a ? Na(o) ? Po(ee, No(o, te)) : Ia(o) ? Fo(ee, o) : o || re : o || ls, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? vs : i.distr == 3 && i.log == 2 ? ys : va)), e.font = Ec(e.font), e.labelFont = Ec(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = Ci(Fr, f));
 		}
 	}
-	function rt(e, t, n, r) {
+	function it(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? Yi(Qo.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? Yi(ms.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? na(as.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? na(xs.size / 2) : 0), l;
 	}
-	let it = r.padding = (e.padding || [
-		rt,
-		rt,
-		rt,
-		rt
-	]).map((e) => X(Y(e, rt))), at = r._padding = it.map((e, t) => e(r, t, B, 0)), ot, st = null, V = null, ct = i == 1 ? v[0].idxs : null, lt = null, ut = !1;
-	function dt(e, n) {
+	let at = r.padding = (e.padding || [
+		it,
+		it,
+		it,
+		it
+	]).map((e) => X(Y(e, it))), ot = r._padding = at.map((e, t) => e(r, t, nt, 0)), st, ct = null, lt = null, ut = i == 1 ? v[0].idxs : null, B = null, dt = !1;
+	function ft(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			ot = 0;
-			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
+			st = 0;
+			for (let e = 1; e < v.length; e++) st += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), lt = t[0], ot = lt.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), B = t[0], st = B.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(ot);
-				for (let e = 0; e < ot; e++) n[e] = e;
+				let n = e[0] = Array(st);
+				for (let e = 0; e < st; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), Xn("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (Vt(!0), Yn("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, ut) ? ft() : pn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Gt();
+			e.auto(r, dt) ? pt() : fn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Kt();
 		}
 	}
-	r.setData = dt;
-	function ft() {
-		ut = !0;
+	r.setData = ft;
+	function pt() {
+		dt = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = ct[0] = 0, V = ct[1] = ot - 1, e = t[0][st], n = t[0][V], O == 2 ? (e = st, n = V) : e == n && (O == 3 ? [e, n] = Pi(e, e, D.log, !1) : O == 4 ? [e, n] = Fi(e, e, D.log, !1) : D.time ? n = e + Yi(86400 / _) : [e, n] = Bi(e, n, Ii, !0))) : (st = ct[0] = e = null, V = ct[1] = n = null)), pn(S, e, n);
+		i == 1 && (st > 0 ? (ct = ut[0] = 0, lt = ut[1] = st - 1, e = t[0][ct], n = t[0][lt], O == 2 ? (e = ct, n = lt) : e == n && (O == 3 ? [e, n] = Vi(e, e, D.log, !1) : O == 4 ? [e, n] = Hi(e, e, D.log, !1) : D.time ? n = e + na(86400 / _) : [e, n] = qi(e, n, Ui, !0))) : (ct = ut[0] = e = null, lt = ut[1] = n = null)), fn(S, e, n);
 	}
-	let pt, mt, H, ht, gt, _t, vt, yt, bt, xt;
-	function St(e, t, n, r, i, a) {
-		e ??= Yr, n ??= wa, r ??= "butt", i ??= Yr, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != H && (d.lineWidth = H = t), a != gt && (d.lineJoin = gt = a), r != _t && (d.lineCap = _t = r), n != ht && d.setLineDash(ht = n);
+	let mt, ht, gt, _t, V, vt, yt, bt, xt, St;
+	function Ct(e, t, n, r, i, a) {
+		e ??= ti, n ??= ja, r ??= "butt", i ??= ti, a ??= "round", e != mt && (d.strokeStyle = mt = e), i != ht && (d.fillStyle = ht = i), t != gt && (d.lineWidth = gt = t), a != V && (d.lineJoin = V = a), r != vt && (d.lineCap = vt = r), n != _t && d.setLineDash(_t = n);
 	}
-	function Ct(e, t, n, r) {
-		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+	function wt(e, t, n, r) {
+		t != ht && (d.fillStyle = ht = t), e != yt && (d.font = yt = e), n != bt && (d.textAlign = bt = n), r != xt && (d.textBaseline = xt = r);
 	}
-	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, ut) && (t == null || t.min == null)) {
-			let t = Y(st, 0), r = Y(V, i.length - 1), o = n.min == null ? Ni(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = Zi(e.min, n.min = o[0]), e.max = Qi(e.max, n.max = o[1]);
+	function Tt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
+			let t = Y(ct, 0), r = Y(lt, i.length - 1), o = n.min == null ? Bi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = ia(e.min, n.min = o[0]), e.max = aa(e.max, n.max = o[1]);
 		}
 	}
-	let Tt = {
+	let Et = {
 		min: null,
 		max: null
 	};
-	function Et() {
+	function Dt() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ut)) && (j[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, dt)) && (j[e] = Et);
 		}
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Et);
 		}
-		j[S] != null && Bt(!0);
+		j[S] != null && Vt(!0);
 		let e = {};
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Pa(b[t], ja);
-				if (n.min != null) Fa(a, n);
+				let a = e[t] = Va(b[t], Ra);
+				if (n.min != null) Ha(a, n);
 				else if (t != S || i == 2) {
-					if (ot == 0 && a.from == null) {
+					if (st == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = aa, a.max = -Infinity;
+					} else a.min = fa, a.max = -Infinity;
 				}
 			}
 		}
-		if (ot > 0) {
+		if (st > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
 					let i = n.scale, o = j[i];
@@ -6140,18 +6165,18 @@ function xc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = Di(s.min, t[0]), V = Di(s.max, t[0]), V - st > 1 && (t[0][st] < s.min && st++, t[0][V] > s.max && V--), n.min = lt[st], n.max = lt[V];
-					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
-					n.idxs[0] = st, n.idxs[1] = V;
+						s.min = e[0], s.max = e[1], ct = Pi(s.min, t[0]), lt = Pi(s.max, t[0]), lt - ct > 1 && (t[0][ct] < s.min && ct++, t[0][lt] > s.max && lt--), n.min = B[ct], n.max = B[lt];
+					} else n.show && n.auto && Tt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = ct, n.idxs[1] = lt;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && Tt(u, j[o], r, c, r.sorted), d != null && Tt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == aa ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == fa ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6173,54 +6198,54 @@ function xc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? ta(i.min) : e == 4 ? ia(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ta(i.max) : e == 4 ? ia(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? ca(i.min) : e == 4 ? da(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ca(i.max) : e == 4 ? da(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, Xn("setScale", e);
+			for (let e in n) Pe = !0, Yn("setScale", e);
 			oe && N.left >= 0 && (Fe = Le = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
-	function Dt(e) {
-		let t = sa(st - 1, 0, ot - 1), n = sa(V + 1, 0, ot - 1);
+	function Ot(e) {
+		let t = ma(ct - 1, 0, st - 1), n = ma(lt + 1, 0, st - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < ot - 1;) n++;
+		for (; e[n] == null && n < st - 1;) n++;
 		return [t, n];
 	}
-	function Ot() {
-		if (ot > 0) {
-			let e = v.some((e) => e._focus) && xt != Ke.alpha;
-			e && (d.globalAlpha = xt = Ke.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
-					let a = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
+	function kt() {
+		if (st > 0) {
+			let e = v.some((e) => e._focus) && St != Ke.alpha;
+			e && (d.globalAlpha = St = Ke.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (At(n, !1), At(n, !0), e._paths == null)) {
+					let a = St;
+					St != e.alpha && (d.globalAlpha = St = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Ot(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), St != a && (d.globalAlpha = St = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
+					let n = St;
+					St != e.alpha && (d.globalAlpha = St = e.alpha), e._paths != null && jt(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, V, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, st, V, a), At(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ct, lt, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, ct, lt, a), jt(t, !0));
 					}
-					xt != n && (d.globalAlpha = xt = n), Xn("drawSeries", t);
+					St != n && (d.globalAlpha = St = n), Yn("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = xt = 1);
+			}), e && (d.globalAlpha = St = 1);
 		}
 	}
-	function kt(e, t) {
+	function At(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function At(e, t) {
+	function jt(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * q, 3);
+		l = Z(l * J, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
@@ -6228,90 +6253,90 @@ function xc(e, t, n) {
 			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Nt(s, l, n.dash, n.cap, c, r, i, o, a) : Mt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function jt(e, n, i, a, o, s, c, l, u, d, f) {
+	function Mt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Ca).band;
-				Ea(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Aa).band;
+				Na(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Vi(g, st, V) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Ji(g, ct, lt) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Nt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Ds ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Es && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+	function Nt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & Ps ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & Ns && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Nt(e, t, n) {
+	function Pt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = pt = t, d.stroke(e);
+			d.strokeStyle = mt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Pt(e, t) {
+	function Ft(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = mt = t, d.fill(e);
+			d.fillStyle = ht = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function Ft(e, t, n, i) {
+	function It(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = vc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Tc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function It(e, t, n, r, i, a, o, s, c, l) {
+	function Lt(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), Ct(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function Lt(e) {
+	function Rt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Bt(!1));
+				n._show && (t = !1, n._show = !1, Vt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, Bt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
+			n._show || (t = !1, n._show = !0, Vt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = It(i, c, l, s == 0 ? I : L);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => lt[e]) : p, h = a.distr == 2 ? lt[p[1]] - lt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => B[e]) : p, h = a.distr == 2 ? B[p[1]] - B[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = Xi(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = ra(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function Rt(e) {
+	function zt(e) {
 		let t = !0;
-		return it.forEach((n, i) => {
-			let a = n(r, i, B, e);
-			a != at[i] && (t = !1), at[i] = a;
+		return at.forEach((n, i) => {
+			let a = n(r, i, nt, e);
+			a != ot[i] && (t = !1), ot[i] = a;
 		}), t;
 	}
-	function zt() {
+	function Bt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = Yi((t._lpos + s) * q);
-				Ct(t.labelFont[0], c, "center", n == 2 ? Wr : Gr), d.save(), i == 1 ? (a = o = 0, d.translate(p, Yi(ke + je / 2)), d.rotate((n == 3 ? -Ki : Ki) / 2)) : (a = Yi(Oe + Ae / 2), o = p);
-				let m = ca(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = na((t._lpos + s) * J);
+				wt(t.labelFont[0], c, "center", n == 2 ? Xr : Zr), d.save(), i == 1 ? (a = o = 0, d.translate(p, na(ke + je / 2)), d.rotate((n == 3 ? -$i : $i) / 2)) : (a = na(Oe + Ae / 2), o = p);
+				let m = ha(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => lt[e]) : _, x = p.distr == 2 ? lt[_[1]] - lt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = Yi(w * q), E = Yi((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -Ki / 180, O = g(t._pos * q), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => B[e]) : _, x = p.distr == 2 ? B[_[1]] - B[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = na(w * J), E = na((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -$i / 180, O = g(t._pos * J), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? Kr : t.align == 2 ? qr : D > 0 ? Kr : D < 0 ? qr : i == 0 ? "center" : n == 3 ? qr : Kr, D || i == 1 ? "middle" : n == 2 ? Wr : Gr);
+			wt(A, c, t.align == 1 ? Qr : t.align == 2 ? $r : D > 0 ? Qr : D < 0 ? $r : i == 0 ? "center" : n == 3 ? $r : Qr, D || i == 1 ? "middle" : n == 2 ? Xr : Zr);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6324,68 +6349,68 @@ function xc(e, t, n) {
 					}
 				}
 			}
-			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && Lt(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && Lt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Xn("drawAxes");
+		Yn("drawAxes");
 	}
-	function Bt(e) {
+	function Vt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Vt = !1, Ht = !1, Ut = [];
-	function Wt() {
-		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) Xn(...Ut[e]);
-		Ut.length = 0;
-	}
+	let Ht = !1, Ut = !1, Wt = [];
 	function Gt() {
-		Vt ||= (Va(qt), !0);
+		Ut = !1;
+		for (let e = 0; e < Wt.length; e++) Yn(...Wt[e]);
+		Wt.length = 0;
 	}
-	function Kt(e, t = !1) {
-		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
+	function Kt() {
+		Ht ||= (Ja(Jt), !0);
 	}
-	r.batch = Kt;
-	function qt() {
-		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
-			if (J(p, Kr, Ce), J(p, Wr, z), J(p, Hr, L), J(p, Ur, R), J(m, Kr, Ce), J(m, Wr, z), J(m, Hr, L), J(m, Ur, R), J(f, Hr, xe), J(f, Ur, Se), u.width = Yi(xe * q), u.height = Yi(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	function qt(e, t = !1) {
+		Ht = !0, Ut = t, e(r), Jt(), t && Wt.length > 0 && queueMicrotask(Gt);
+	}
+	r.batch = qt;
+	function Jt() {
+		if (Me &&= (Dt(), !1), Pe &&= (Be(), !1), Ne) {
+			if (xi(p, Qr, R), xi(p, Xr, we), xi(p, Jr, I), xi(p, Yr, L), xi(m, Qr, R), xi(m, Xr, we), xi(m, Jr, I), xi(m, Yr, L), xi(f, Jr, Se), xi(f, Yr, Ce), u.width = na(Se * J), u.height = na(Ce * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? z : Ce), J(e, a ? "height" : "width", a ? R : L), mi(e, Ar);
-					} else pi(e, Ar);
+						xi(e, a ? "left" : "top", r - t), xi(e, a ? "width" : "height", n), xi(e, a ? "top" : "left", a ? we : R), xi(e, a ? "height" : "width", a ? L : I), bi(e, Ir);
+					} else yi(e, Ir);
 				}
-			}), pt = mt = H = gt = _t = vt = yt = bt = ht = null, xt = 1, Pn(!0), Ce != we || z != Te || L != Ee || R != De) {
-				Bt(!1);
-				let e = L / Ee, t = R / De;
+			}), mt = ht = gt = V = vt = yt = bt = xt = _t = null, St = 1, Pn(!0), R != Te || we != z || I != Ee || L != De) {
+				Vt(!1);
+				let e = I / Ee, t = L / De;
 				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Zt && vi(Zt, Yi(N.left), 0, L, R), Qt && vi(Qt, 0, Yi(N.top), L, R);
+					N.left *= e, N.top *= t, Qt && Ti(Qt, na(N.left), 0, I, L), $t && Ti($t, 0, na(N.top), I, L);
 					for (let n = 0; n < Ye.length; n++) {
 						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, vi(r, Xi(Xe[n]), Xi(Ze[n]), L, R));
+						r != null && (Xe[n] *= e, Ze[n] *= t, Ti(r, ra(Xe[n]), ra(Ze[n]), I, L));
 					}
 				}
-				if (G.show && !Ie && G.left >= 0 && G.width > 0) {
-					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in Ln) J(un, e, G[e]);
+				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
+					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
+					for (let e in In) xi(ln, e, K[e]);
 				}
-				we = Ce, Te = z, Ee = L, De = R;
+				Te = R, z = we, Ee = I, De = L;
 			}
-			Xn("setSize"), Ne = !1;
+			Yn("setSize"), Ne = !1;
 		}
-		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Ie && (dn(G), Ie = !1), oe && Fe && (Mn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, Xn("ready")), ut = !1, Vt = !1;
+		Se > 0 && Ce > 0 && (d.clearRect(0, 0, u.width, u.height), Yn("drawClear"), w.forEach((e) => e()), Yn("draw")), K.show && Ie && (un(K), Ie = !1), oe && Fe && (Mn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, Yn("ready")), dt = !1, Ht = !1;
 	}
 	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? Kt() : fn(S, D.min, D.max);
 	};
-	function Jt(e, n) {
+	function Yt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (ot == 0) {
+			if (st == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -6393,145 +6418,145 @@ function xc(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = Di(n.min, t[0]), n.max = Di(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Gt();
+			if (st > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && st > 0 && (n.min = Pi(n.min, t[0]), n.max = Pi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Kt();
 		}
 	}
-	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
-	oe && (N.x && (Yt = gi(Mr, m)), N.y && (Xt = gi(Nr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
-	let G = r.select = Fa({
+	r.setScale = Yt;
+	let Xt, Zt, Qt, $t, en, tn, nn, rn, an, on, H, U, sn = !1, W = N.drag, G = W.x, cn = W.y;
+	oe && (N.x && (Xt = Ci(Rr, m)), N.y && (Zt = Ci(zr, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
+	let K = r.select = Ha({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? gi(jr, G.over ? m : p) : null;
-	function dn(e, t) {
-		if (G.show) {
-			for (let t in e) G[t] = e[t], t in Ln && J(un, t, e[t]);
-			t !== !1 && Xn("setSelect");
+	}, e.select), ln = K.show ? Ci(Lr, K.over ? m : p) : null;
+	function un(e, t) {
+		if (K.show) {
+			for (let t in e) K[t] = e[t], t in In && xi(ln, t, e[t]);
+			t !== !1 && Yn("setSelect");
 		}
 	}
-	r.setSelect = dn;
-	function fn(e) {
-		if (v[e].show) P && mi(le[e], Ar);
-		else if (P && pi(le[e], Ar), oe) {
+	r.setSelect = un;
+	function dn(e) {
+		if (v[e].show) P && bi(ue[e], Ir);
+		else if (P && yi(ue[e], Ir), oe) {
 			let t = Je ? Ye[0] : Ye[e];
-			t != null && vi(t, -10, -10, L, R);
+			t != null && Ti(t, -10, -10, I, L);
 		}
 	}
-	function pn(e, t, n) {
-		Jt(e, {
+	function fn(e, t, n) {
+		Yt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function mn(e, t, n, a) {
-		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
+	function pn(e, t, n, a) {
+		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), Kt());
+		}), n !== !1 && Yn("setSeries", e, t), a && er("setSeries", r, e, t);
 	}
-	r.setSeries = mn;
+	r.setSeries = pn;
+	function mn(e, t) {
+		Ha(x[e], t);
+	}
 	function hn(e, t) {
-		Fa(x[e], t);
-	}
-	function gn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function _n(e) {
+	function gn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = gn, r.setBand = hn, r.delBand = _n;
-	function vn(e, t) {
-		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	r.addBand = hn, r.setBand = mn, r.delBand = gn;
+	function _n(e, t) {
+		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && ue[e] && (ue[e].style.opacity = t);
 	}
-	let yn, bn, xn, Sn = { focus: !0 };
-	function Cn(e) {
-		if (e != xn) {
+	let vn, yn, bn, xn = { focus: !0 };
+	function Sn(e) {
+		if (e != bn) {
 			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && vn(a, i ? 1 : Ke.alpha);
+					r._focus = t ? null : i, n && _n(a, i ? 1 : Ke.alpha);
 				}
-			}), xn = e, n && Gt();
+			}), bn = e, n && Kt();
 		}
 	}
-	P && qe && ye(ei, I, (e) => {
-		N._lock || (We(e), xn != null && mn(null, Sn, !0, Qn.setSeries));
+	P && qe && be(oi, F, (e) => {
+		N._lock || (We(e), bn != null && pn(null, xn, !0, Zn.setSeries));
 	});
-	function wn(e, t, n) {
+	function Cn(e, t, n) {
 		let r = b[t];
-		n && (e = e / q - (r.ori == 1 ? z : Ce));
-		let i = L;
-		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / J - (r.ori == 1 ? we : R));
+		let i = I;
+		r.ori == 1 && (i = L, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? $i(10, c) : l == 4 ? ra(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? oa(10, c) : l == 4 ? ua(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function Tn(e, n) {
-		return Di(wn(e, S, n), t[0], st, V);
+	function wn(e, n) {
+		return Pi(Cn(e, S, n), t[0], ct, lt);
 	}
-	r.valToIdx = (e) => Di(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : L, n ? Oe : 0) : o(e, b[t], n ? je : R, n ? ke : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Mn(null, t, n);
+	r.valToIdx = (e) => Pi(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : I, n ? Oe : 0) : o(e, b[t], n ? je : L, n ? ke : 0), r.setCursor = (e, t, n) => {
+		H = e.left, U = e.top, Mn(null, t, n);
 	};
+	function Tn(e, t) {
+		xi(ln, Qr, K.left = e), xi(ln, Jr, K.width = t);
+	}
 	function En(e, t) {
-		J(un, Kr, G.left = e), J(un, Hr, G.width = t);
+		xi(ln, Xr, K.top = e), xi(ln, Yr, K.height = t);
 	}
-	function Dn(e, t) {
-		J(un, Wr, G.top = e), J(un, Ur, G.height = t);
-	}
-	let On = D.ori == 0 ? En : Dn, kn = D.ori == 1 ? En : Dn;
-	function K() {
+	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
+	function kn() {
 		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && fe) continue;
+			if (e == 0 && pe) continue;
 			let t = M.values[e], n = 0;
-			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+			for (let r in t) de[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
 	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : Oa(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
-			K();
+		}) : Fa(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && jn(e, ae[e]);
+			kn();
 		}
-		Le = !1, t !== !1 && Xn("setLegend");
+		Le = !1, t !== !1 && Yn("setLegend");
 	}
 	r.setLegend = An;
 	function jn(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? lt : t[e], o;
-		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+		let i = v[e], a = e == 0 && O == 2 ? B : t[e], o;
+		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), M.values[e] = o;
 	}
 	function Mn(e, n, a) {
-		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && vi(Zt, Yi(U), 0, L, R), Qt && vi(Qt, 0, Yi(W), L, R));
-		let o, s = st > V;
-		yn = aa, bn = null;
-		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
-		if (U < 0 || ot == 0 || s) {
+		an = H, on = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && Ti(Qt, na(H), 0, I, L), $t && Ti($t, 0, na(U), I, L));
+		let o, s = ct > lt;
+		vn = fa, yn = null;
+		let c = D.ori == 0 ? I : L, l = D.ori == 1 ? I : L;
+		if (H < 0 || st == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Ye[e];
-				t != null && vi(t, -10, -10, L, R);
+				t != null && Ti(t, -10, -10, I, L);
 			}
-			qe && mn(null, Sn, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Le = !0);
+			qe && pn(null, xn, !0, e == null && Zn.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = Di(n, t[0], st, V), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? H : U, n = Cn(e, S), o = N.idx = Pi(n, t[0], ct, lt), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? U : W, n = qi(Ke.dist(r, e, x, _, t));
-						if (n < yn) {
+						let t = D.ori == 1 ? H : U, n = ea(Ke.dist(r, e, x, _, t));
+						if (n < vn) {
 							let r = Ke.bias;
 							if (r != 0) {
-								let i = wn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
-							} else yn = n, bn = e;
+								let i = Cn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vn = n, yn = e);
+							} else vn = n, yn = e;
 						}
 					}
 					if (Le || Je) {
@@ -6543,197 +6568,197 @@ function xc(e, t, n) {
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
 						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == bn && yn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == yn && vn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, Si(t, a, o, y), bi(t, v, g), vi(t, Xi(c), Xi(l), L, R));
+							t != null && (Xe[e] = c, Ze[e] = l, ki(t, a, o, y), Di(t, v, g), Ti(t, ra(c), ra(l), I, L));
 						}
 					}
 				}
 			}
 			if (Je) {
 				let e = Ke.prox;
-				if (Le || (xn == null ? yn <= e : yn > e || bn != xn)) {
+				if (Le || (bn == null ? vn <= e : vn > e || yn != bn)) {
 					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, Si(e, d, f, p), bi(e, m, h), vi(e, Xi(s), Xi(u), L, R));
+					e != null && (Xe[0] = s, Ze[0] = u, ki(e, d, f, p), Di(e, m, h), Ti(e, ra(s), ra(u), I, L));
 				}
 			}
 		}
-		if (G.show && on) {
+		if (K.show && sn) {
 			if (e != null) {
-				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (cn = s._x, ln = s._y, cn || ln) {
+				let [t, n] = Zn.scales, [r, i] = Zn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (G = s._x, cn = s._y, G || cn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(Zi(v, y), qi(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(Zi(v, y), qi(y - v))) : kn(0, l);
-				} else Rn();
+					x && G ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(ia(v, y), ea(y - v))) : Dn(0, c), S && cn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(ia(v, y), ea(y - v))) : On(0, l);
+				} else Ln();
 			} else {
-				let e = qi(rn - $t), t = qi(an - en);
+				let e = ea(an - en), t = ea(on - tn);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
-				let n = sn.uni;
-				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
+				G = W.x && e >= W.dist, cn = W.y && t >= W.dist;
+				let n = W.uni;
+				n == null ? W.x && W.y && (G || cn) && (G = cn = !0) : G && cn && (G = e >= n, cn = t >= n, !G && !cn && (t > e ? cn = !0 : G = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(Zi(r, i), qi(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(Zi(r, i), qi(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
+				G && (D.ori == 0 ? (r = nn, i = H) : (r = rn, i = U), Dn(ia(r, i), ea(i - r)), cn || On(0, l)), cn && (D.ori == 1 ? (r = nn, i = H) : (r = rn, i = U), On(ia(r, i), ea(i - r)), G || Dn(0, c)), !G && !cn && (Dn(0, 0), On(0, 0));
 			}
 		}
-		if (sn._x = cn, sn._y = ln, e == null) {
+		if (W._x = G, W._y = cn, e == null) {
 			if (a) {
-				if ($n != null) {
-					let [e, t] = Qn.scales;
-					Qn.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
+				if (Qn != null) {
+					let [e, t] = Zn.scales;
+					Zn.values[0] = e == null ? null : Cn(D.ori == 0 ? H : U, e), Zn.values[1] = t == null ? null : Cn(D.ori == 1 ? H : U, t);
 				}
-				tr(Xr, r, U, W, L, R, o);
+				er(ni, r, H, U, I, L, o);
 			}
 			if (qe) {
-				let e = a && Qn.setSeries, t = Ke.prox;
-				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
+				let e = a && Zn.setSeries, t = Ke.prox;
+				bn == null ? vn <= t && pn(yn, xn, !0, e) : vn > t ? pn(null, xn, !0, e) : yn != bn && pn(yn, xn, !0, e);
 			}
 		}
-		Le && (M.idx = o, An()), n !== !1 && Xn("setCursor");
+		Le && (M.idx = o, An()), n !== !1 && Yn("setCursor");
 	}
 	let Nn = null;
 	Object.defineProperty(r, "rect", { get() {
 		return Nn ?? Pn(!1), Nn;
 	} });
 	function Pn(e = !1) {
-		e ? Nn = null : (Nn = m.getBoundingClientRect(), Xn("syncRect", Nn));
+		e ? Nn = null : (Nn = m.getBoundingClientRect(), Yn("syncRect", Nn));
 	}
 	function Fn(e, t, n, r, i, a, o) {
-		N._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (In(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
+		N._lock || sn && e != null && e.movementX == 0 && e.movementY == 0 || (q(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
 	}
-	function In(e, t, n, i, a, o, c, l, u) {
+	function q(e, t, n, i, a, o, c, l, u) {
 		if (Nn ?? Pn(!1), We(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
 		else {
 			if (n < 0 || i < 0) {
-				U = -10, W = -10;
+				H = -10, U = -10;
 				return;
 			}
-			let [e, r] = Qn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Qn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Zn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Zn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? I : L, _ = D.ori == 1 ? I : L, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == Xr) && ((n <= 1 || n >= L - 1) && (n = _a(n, L)), (i <= 1 || i >= R - 1) && (i = _a(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == ni) && ((n <= 1 || n >= I - 1) && (n = wa(n, I)), (i <= 1 || i >= L - 1) && (i = wa(i, L))), l ? (en = n, tn = i, [nn, rn] = N.move(r, n, i)) : (H = n, U = i);
 	}
-	let Ln = {
+	let In = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function Rn() {
-		dn(Ln, !1);
+	function Ln() {
+		un(In, !1);
 	}
-	let zn, Bn, Vn, Hn;
+	let Rn, zn, Bn, Vn;
+	function Hn(e, t, n, i, a, o, s) {
+		sn = !0, G = cn = W._x = W._y = !1, q(e, t, n, i, a, o, s, !0, !1), e != null && (be(ii, mi, Un, !1), er(ri, r, nn, rn, I, L, null));
+		let { left: c, top: l, width: u, height: d } = K;
+		Rn = c, zn = l, Bn = u, Vn = d;
+	}
 	function Un(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(Qr, ci, Wn, !1), tr(Zr, r, tn, nn, L, R, null));
-		let { left: c, top: l, width: u, height: d } = G;
-		zn = c, Bn = l, Vn = u, Hn = d;
-	}
-	function Wn(e, t, n, i, a, o, s) {
-		on = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = zn != c || Bn != l || Vn != u || Hn != d;
-		if (f && p && dn(G), sn.setScale && f && p) {
+		sn = W._x = W._y = !1, q(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = Rn != c || zn != l || Bn != u || Vn != d;
+		if (f && p && un(K), W.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), G && fn(S, Cn(e, S), Cn(e + t, S)), cn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != aa && pn(e, wn(n + r, e), wn(n, e));
+				e != S && t.from == null && t.min != fa && fn(e, Cn(n + r, e), Cn(n, e));
 			}
-			Rn();
+			Ln();
 		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
-		e != null && (be(Qr, ci), tr(Qr, r, U, W, L, R, null));
+		e != null && (xe(ii, mi), er(ii, r, H, U, I, L, null));
 	}
-	function Gn(e, t, n, r, i, a, o) {
+	function Wn(e, t, n, r, i, a, o) {
 		if (N._lock) return;
 		We(e);
-		let s = on;
-		if (on) {
+		let s = sn;
+		if (sn) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Mn(null, !0, !0), on = !1;
+			D.ori == 0 ? (n = G, r = cn) : (n = cn, r = G), n && r && (e = H <= 10 || H >= I - 10, t = U <= 10 || U >= L - 10), n && e && (H = H < nn ? 0 : I), r && t && (U = U < rn ? 0 : L), Mn(null, !0, !0), sn = !1;
 		}
-		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
+		H = -10, U = -10, ae.fill(null), Mn(null, !0, !0), s && (sn = s);
 	}
-	function Kn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), ft(), Rn(), e != null && tr(ti, r, U, W, L, R, null));
+	function Gn(e, t, n, i, a, o, s) {
+		N._lock || (We(e), pt(), Ln(), e != null && er(si, r, H, U, I, L, null));
 	}
-	function qn() {
-		y.forEach(bc), Re(r.width, r.height, !0);
+	function Kn() {
+		y.forEach(Dc), Re(r.width, r.height, !0);
 	}
-	Ti(ai, li, qn);
-	let Jn = {};
-	Jn.mousedown = Un, Jn.mousemove = Fn, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
-		let a = Qn.match[2];
-		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, oe && (ye(Zr, m, Un), ye(Xr, m, Fn), ye($r, m, (e) => {
+	Mi(di, hi, Kn);
+	let qn = {};
+	qn.mousedown = Hn, qn.mousemove = Fn, qn.mouseup = Un, qn.dblclick = Gn, qn.setSeries = (e, t, n, i) => {
+		let a = Zn.match[2];
+		n = a(r, t, n), n != -1 && pn(n, i, !0, !1);
+	}, oe && (be(ri, m, Hn), be(ni, m, Fn), be(ai, m, (e) => {
 		We(e), Pn(!1);
-	}), ye(ei, m, Gn), ye(ti, m, Kn), ic.add(r), r.syncRect = Pn);
-	let Yn = r.hooks = e.hooks || {};
-	function Xn(e, t, n) {
-		Ht ? Ut.push([
+	}), be(oi, m, Wn), be(si, m, Gn), dc.add(r), r.syncRect = Pn);
+	let Jn = r.hooks = e.hooks || {};
+	function Yn(e, t, n) {
+		Ut ? Wt.push([
 			e,
 			t,
 			n
-		]) : e in Yn && Yn[e].forEach((e) => {
+		]) : e in Jn && Jn[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Jn[t] = (Jn[t] || []).concat(e.hooks[t]);
 	});
-	let Zn = (e, t, n) => n, Qn = Fa({
+	let Xn = (e, t, n) => n, Zn = Ha({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: pa,
-			sub: pa
+			pub: ba,
+			sub: ba
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			ma,
-			ma,
-			Zn
+			xa,
+			xa,
+			Xn
 		],
 		values: [null, null]
 	}, N.sync);
-	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
-	let $n = Qn.key, er = Ts($n);
+	Zn.match.length == 2 && Zn.match.push(Xn), N.sync = Zn;
+	let Qn = Zn.key, $n = Ms(Qn);
+	function er(e, t, n, r, i, a, o) {
+		Zn.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
+	}
+	$n.sub(r);
 	function tr(e, t, n, r, i, a, o) {
-		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
+		Zn.filters.sub(e, t, n, r, i, a, o) && qn[e](null, t, n, r, i, a, o);
 	}
-	er.sub(r);
-	function nr(e, t, n, r, i, a, o) {
-		Qn.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
+	r.pub = tr;
+	function nr() {
+		$n.unsub(r), dc.delete(r), ye.clear(), Ni(di, hi, Kn), l.remove(), F?.remove(), Yn("destroy");
 	}
-	r.pub = nr;
+	r.destroy = nr;
 	function rr() {
-		er.unsub(r), ic.delete(r), ve.clear(), Ei(ai, li, qn), l.remove(), I?.remove(), Xn("destroy");
+		Yn("init", e, t), ft(t || e.data, !1), j[S] ? Yt(S, j[S]) : pt(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
-	r.destroy = rr;
-	function ir() {
-		Xn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Ie = G.show && (G.width > 0 || G.height > 0), Fe = Le = !0, Re(e.width, e.height);
-	}
-	return v.forEach($e), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
+	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
 }
-xc.assign = Fa, xc.fmtNum = Wi, xc.rangeNum = Bi, xc.rangeLog = Pi, xc.rangeAsinh = Fi, xc.orient = Os, xc.pxRatio = q, xc.join = Ba, xc.fmtDate = $a, xc.tzDate = to, xc.sync = Ts;
+Oc.assign = Ha, Oc.fmtNum = Zi, Oc.rangeNum = qi, Oc.rangeLog = Vi, Oc.rangeAsinh = Hi, Oc.orient = Fs, Oc.pxRatio = J, Oc.join = qa, Oc.fmtDate = oo, Oc.tzDate = co, Oc.sync = Ms;
 {
-	xc.addGap = Ns, xc.clipGaps = Ms;
-	let e = xc.paths = { points: qs };
-	e.linear = Zs, e.stepped = Qs, e.bars = ec, e.spline = nc;
+	Oc.addGap = Bs, Oc.clipGaps = zs;
+	let e = Oc.paths = { points: ec };
+	e.linear = ic, e.stepped = ac, e.bars = sc, e.spline = lc;
 }
 // src/phase.tsx
-var [Sc, Cc] = [420, 300], $ = {
+var [kc, Ac] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function wc({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (gt(() => {
+function jc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (yt(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -6755,7 +6780,7 @@ function wc({ store: e, state: t }) {
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Sc - $.left - $.right), g = (e) => Cc - $.bottom - (e - d) / m * (Cc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (kc - $.left - $.right), g = (e) => Ac - $.bottom - (e - d) / m * (Ac - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6768,28 +6793,28 @@ function wc({ store: e, state: t }) {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
 		children: /* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${Sc} ${Cc}`,
+			viewBox: `0 0 ${kc} ${Ac}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${Se(l)} to ${Se(u)} ${n.units[0]} and from ${Se(d)} to ${Se(f)} ${n.units[1]}`,
 			children: [
 				/* @__PURE__ */ z("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: Sc - $.left - $.right,
-					height: Cc - $.top - $.bottom
+					width: kc - $.left - $.right,
+					height: Ac - $.top - $.bottom
 				}),
 				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: Cc - $.bottom
+					y2: Ac - $.bottom
 				}),
 				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: $.left,
-					x2: Sc - $.right,
+					x2: kc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
@@ -6809,36 +6834,36 @@ function wc({ store: e, state: t }) {
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left,
-					y: Cc - $.bottom + 14,
-					children: L(l, n.units[0])
+					y: Ac - $.bottom + 14,
+					children: R(l, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: Sc - $.right,
-					y: Cc - $.bottom + 14,
+					x: kc - $.right,
+					y: Ac - $.bottom + 14,
 					"text-anchor": "end",
-					children: L(u, n.units[0])
+					children: R(u, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: (Sc + $.left) / 2,
-					y: Cc - 6,
+					x: (kc + $.left) / 2,
+					y: Ac - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
-					y: Cc - $.bottom,
+					y: Ac - $.bottom,
 					"text-anchor": "end",
-					children: L(d, n.units[1])
+					children: R(d, n.units[1])
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: L(f, n.units[1])
+					children: R(f, n.units[1])
 				}),
 				/* @__PURE__ */ z("text", {
-					transform: `translate(12,${(Cc - $.bottom) / 2}) rotate(-90)`,
+					transform: `translate(12,${(Ac - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6848,7 +6873,7 @@ function wc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Tc = [
+var Mc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6856,16 +6881,16 @@ var Tc = [
 	"--c5",
 	"--c6"
 ];
-function Ec({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = _t(null), l = t.run, [u, d] = t.span;
-	gt(() => {
+function Nc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = bt(null), l = t.run, [u, d] = t.span;
+	yt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (gt(() => {
+	if (yt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -6892,7 +6917,7 @@ function Ec({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ z(Dc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Pc, {
 		state: t,
 		soFar: t.soFar
 	});
@@ -6923,7 +6948,7 @@ function Ec({ store: e, state: t }) {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ z(Oc, {
+					/* @__PURE__ */ z(Fc, {
 						store: e,
 						state: t,
 						run: l
@@ -6957,7 +6982,7 @@ function Ec({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ z("output", { children: p === null ? "" : L(p, "s") })
+							/* @__PURE__ */ z("output", { children: p === null ? "" : R(p, "s") })
 						]
 					}),
 					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
@@ -6972,9 +6997,9 @@ function Ec({ store: e, state: t }) {
 					}), " power along bonds"] })
 				]
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ z(kc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(Ic, {
 				name: r,
-				ink: Tc[i % Tc.length],
+				ink: Mc[i % Mc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -6987,11 +7012,11 @@ function Ec({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ z(wc, {
+			t.phase && /* @__PURE__ */ z(jc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ z(Nc, {
+			/* @__PURE__ */ z(Bc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7000,14 +7025,14 @@ function Ec({ store: e, state: t }) {
 		]
 	});
 }
-function Dc({ state: e, soFar: t }) {
-	let n = _t(null), r = [t.tBegin, t.tEnd];
+function Pc({ state: e, soFar: t }) {
+	let n = bt(null), r = [t.tBegin, t.tEnd];
 	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ z(kc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Ic, {
 			name: i.name,
-			ink: Tc[a % Tc.length],
+			ink: Mc[a % Mc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7017,7 +7042,7 @@ function Dc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ z(Nc, {
+		}, i.name)), /* @__PURE__ */ z(Bc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7025,7 +7050,7 @@ function Dc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Oc({ store: e, state: t, run: n }) {
+function Fc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
 	return /* @__PURE__ */ z("span", {
 		class: "chooser",
@@ -7053,7 +7078,7 @@ function Oc({ store: e, state: t, run: n }) {
 		]
 	});
 }
-var kc = class extends S {
+var Ic = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7072,8 +7097,8 @@ var kc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Tc[(t + 3) % Tc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : xc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new xc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Mc[(t + 3) % Mc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Oc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new Oc({
 			width: Math.max(n - 4, 200),
 			height: r ? 132 : 112,
 			padding: [
@@ -7095,7 +7120,7 @@ var kc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Ac(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Lc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7106,7 +7131,7 @@ var kc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => jc(t, "s")
+				values: (e, t) => Rc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7119,7 +7144,7 @@ var kc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => jc(t, p)
+				values: (e, t) => Rc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7151,7 +7176,7 @@ var kc = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${L(f, r ? r + "s" : "")} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${R(f, L(r))} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -7172,7 +7197,7 @@ var kc = class extends S {
 				/* @__PURE__ */ z("div", { ref: this.box }),
 				r !== null && /* @__PURE__ */ z("output", {
 					class: "reading",
-					children: L(n, t.find((e) => !e.error)?.unit ?? "")
+					children: R(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
 				i && /* @__PURE__ */ z("p", {
 					class: "hint",
@@ -7186,13 +7211,13 @@ var kc = class extends S {
 		});
 	}
 };
-function Ac(e, t, n) {
+function Lc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function jc(e, t) {
+function Rc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7211,9 +7236,9 @@ function jc(e, t) {
 		1e-9: "n",
 		1e-12: "p"
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
-	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${t}`);
+	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${I(t)}`);
 }
-var Mc = [
+var zc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7223,7 +7248,7 @@ var Mc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Nc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Bc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
 	return /* @__PURE__ */ z("div", {
@@ -7254,14 +7279,14 @@ function Nc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Mc[o % Mc.length],
+						fill: zc[o % zc.length],
 						children: /* @__PURE__ */ z("title", { children: e.states[o] })
 					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Mc[t % Mc.length],
+						fill: zc[t % zc.length],
 						opacity: n
 					}) : null))]
 				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
@@ -7287,20 +7312,20 @@ function Nc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Pc = {
+var Vc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Fc = 150, [Ic, Lc, Rc, zc] = [
+}, Hc = 150, [Uc, Wc, Gc, Kc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Bc(e) {
+function qc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7320,26 +7345,26 @@ function Bc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Vc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Lc + Rc) + 120, o = (a - i * Rc - 8) / r, s = (e, t) => {
+function Jc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Wc + Gc) + 120, o = (a - i * Gc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Rc, r += i;
-			let [c, l] = t ? [zc, Ic / 2 - zc / 2] : [Ic - zc, Ic / 2 + zc / 2], u = (c + l) / 2;
+			n += Math.max(i, 1) + Gc, r += i;
+			let [c, l] = t ? [Kc, Uc / 2 - Kc / 2] : [Uc - Kc, Uc / 2 + Kc / 2], u = (c + l) / 2;
 			return /* @__PURE__ */ z("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
 					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
 					/* @__PURE__ */ z("rect", {
-						x: t ? 0 : Ic - zc,
+						x: t ? 0 : Uc - Kc,
 						y: a,
-						width: zc,
+						width: Kc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ z("text", {
-						x: t ? zc + 4 : Ic - zc - 4,
+						x: t ? Kc + 4 : Uc - Kc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7350,7 +7375,7 @@ function Vc({ gives: e, takes: t }) {
 	};
 	return /* @__PURE__ */ z("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Ic} ${a}`,
+		viewBox: `0 0 ${Uc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
@@ -7358,16 +7383,16 @@ function Vc({ gives: e, takes: t }) {
 			s(t, !1),
 			/* @__PURE__ */ z("rect", {
 				class: "middle-bar",
-				x: Ic / 2 - zc / 2,
+				x: Uc / 2 - Kc / 2,
 				y: 4,
-				width: zc,
+				width: Kc,
 				height: r * o
 			})
 		]
 	});
 }
-function Hc({ store: e, state: t }) {
-	let [n, r] = H(!1);
+function Yc({ store: e, state: t }) {
+	let [n, r] = V(!1);
 	return t.cursor ? /* @__PURE__ */ z("section", {
 		class: "power-panel",
 		children: [/* @__PURE__ */ z("div", {
@@ -7383,7 +7408,7 @@ function Hc({ store: e, state: t }) {
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), z(n ? Uc : Wc, {
+		}), z(n ? Xc : Zc, {
 			store: e,
 			state: t
 		})]
@@ -7392,15 +7417,15 @@ function Hc({ store: e, state: t }) {
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function Uc({ store: e, state: t }) {
-	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
-	if (gt(() => {
+function Xc({ store: e, state: t }) {
+	let [n, r] = V(null), i = t.cursor.t, a = t.run?.run;
+	if (yt(() => {
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("energies", {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Fc);
+		}, Hc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -7419,11 +7444,11 @@ function Uc({ store: e, state: t }) {
 	return /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("h2", { children: [
 			"Energy from ",
-			L(n.start, "s"),
+			R(n.start, "s"),
 			" to ",
-			L(n.end, "s")
+			R(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Vc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Jc, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
 		}) : /* @__PURE__ */ z("p", {
@@ -7448,22 +7473,22 @@ function Uc({ store: e, state: t }) {
 			/* @__PURE__ */ z("td", { children: t }),
 			/* @__PURE__ */ z("td", {
 				class: "figure",
-				children: L(e.energy, "J")
+				children: R(e.energy, "J")
 			})
 		] })) })] }),
 		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"given ",
-				L(c(n.gives), "J"),
+				R(c(n.gives), "J"),
 				", taken ",
-				L(c(n.takes), "J")
+				R(c(n.takes), "J")
 			]
 		})
 	] });
 }
-function Wc({ store: e, state: t }) {
-	let { found: n, unknown: r } = Bc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function Zc({ store: e, state: t }) {
+	let { found: n, unknown: r } = qc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7472,8 +7497,8 @@ function Wc({ store: e, state: t }) {
 		select: () => l(e.node)
 	});
 	return /* @__PURE__ */ z(x, { children: [
-		/* @__PURE__ */ z("h2", { children: ["Power at t = ", L(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ z(Vc, {
+		/* @__PURE__ */ z("h2", { children: ["Power at t = ", R(t.cursor.t, "s")] }),
+		a.length > 0 ? /* @__PURE__ */ z(Jc, {
 			gives: o.map(u),
 			takes: s.map(u)
 		}) : /* @__PURE__ */ z("p", {
@@ -7501,10 +7526,10 @@ function Wc({ store: e, state: t }) {
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ z("td", { children: (Pc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", { children: (Vc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
 				/* @__PURE__ */ z("td", {
 					class: "figure",
-					children: L(Math.abs(e.power), "W")
+					children: R(Math.abs(e.power), "W")
 				})
 			]
 		})) })] }),
@@ -7516,15 +7541,15 @@ function Wc({ store: e, state: t }) {
 			class: "hint",
 			children: [
 				"supplied and given back ",
-				L(c(o), "W"),
+				R(c(o), "W"),
 				", taken ",
-				L(c(s), "W")
+				R(c(s), "W")
 			]
 		})
 	] });
 }
 // src/splitter.tsx
-function Gc(e) {
+function Qc(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ z("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7555,12 +7580,12 @@ function Gc(e) {
 	});
 }
 // src/transport.ts
-var Kc = class extends Error {
+var $c = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, qc = class {
+}, el = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7596,19 +7621,19 @@ var Kc = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new Kc(e.error)) : t.done(e);
+			e.error ? t.failed(new $c(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function Jc({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	gt(() => {
+function tl({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	yt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof Kc ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof $c ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7673,7 +7698,7 @@ function Jc({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var Yc = [
+var nl = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7683,7 +7708,7 @@ var Yc = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], Xc = class extends S {
+], rl = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7741,7 +7766,7 @@ var Yc = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ z(Qc, {
+				/* @__PURE__ */ z(al, {
 					store: e,
 					state: t,
 					errors: i
@@ -7749,21 +7774,21 @@ var Yc = [
 				/* @__PURE__ */ z("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ z(xn, {
+						/* @__PURE__ */ z(Sn, {
 							store: e,
 							state: t
 						}),
 						/* @__PURE__ */ z("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ z($e, {
+							children: [/* @__PURE__ */ z(tt, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ z(Jc, {
+							}), t.schematic && /* @__PURE__ */ z(tl, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ z(Gc, {
+						/* @__PURE__ */ z(Qc, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7782,7 +7807,7 @@ var Yc = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: Yc.map(([r, a]) => /* @__PURE__ */ z("button", {
+								children: nl.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -7800,39 +7825,39 @@ var Yc = [
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ z(zt, {
+									t.tab === "item" && /* @__PURE__ */ z(Ht, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ z(tn, {
+									t.tab === "machines" && /* @__PURE__ */ z(an, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ z(pn, {
+									t.tab === "model" && /* @__PURE__ */ z(mn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ z(_n, {
+									t.tab === "problems" && /* @__PURE__ */ z(vn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ z(vn, {
+									t.tab === "table" && /* @__PURE__ */ z(yn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ z(yn, {
+									t.tab === "text" && /* @__PURE__ */ z(bn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ z(Nt, {
+									t.tab === "equations" && /* @__PURE__ */ z(It, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ z(Hc, {
+									t.tab === "power" && /* @__PURE__ */ z(Yc, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ z(Ln, {
+									t.tab === "plan" && /* @__PURE__ */ z(Un, {
 										store: e,
 										state: t
 									})
@@ -7843,7 +7868,7 @@ var Yc = [
 				}),
 				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ z(Gc, {
+					children: [/* @__PURE__ */ z(Qc, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7854,17 +7879,17 @@ var Yc = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ z(ur, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(gr, {
 						store: e,
 						state: t,
 						plan: t.plan
-					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(G, {
+					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(un, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ z(Ec, {
+					}) : /* @__PURE__ */ z(Nc, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ z(Ot, {
+					}), /* @__PURE__ */ z(jt, {
 						store: e,
 						state: t
 					})] })]
@@ -7876,7 +7901,7 @@ var Yc = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ z(Zc, {
+					/* @__PURE__ */ z(il, {
 						store: e,
 						state: t
 					}),
@@ -7895,7 +7920,7 @@ var Yc = [
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ z(Sn, {
+				t.adding && n.view.editable && /* @__PURE__ */ z(On, {
 					store: e,
 					state: t
 				}),
@@ -7924,7 +7949,7 @@ var Yc = [
 		});
 	}
 };
-function Zc({ store: e, state: t }) {
+function il({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
@@ -7944,10 +7969,10 @@ function Zc({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function Qc({ store: e, state: t, errors: n }) {
+function al({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ z("header", { children: [
-		/* @__PURE__ */ z($c, {
+		/* @__PURE__ */ z(ol, {
 			store: e,
 			state: t
 		}),
@@ -7993,7 +8018,7 @@ function Qc({ store: e, state: t, errors: n }) {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
-			onClick: () => void e.ask("arrange", { keep: [...t.nodes] }),
+			onClick: () => void e.arrange(),
 			children: "Arrange"
 		}),
 		/* @__PURE__ */ z("button", {
@@ -8027,7 +8052,7 @@ function Qc({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function $c({ store: e, state: t }) {
+function ol({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8130,17 +8155,17 @@ function $c({ store: e, state: t }) {
 	});
 }
 // src/sharing.ts
-function el(e, t) {
+function sl(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = el(n[e], r[e]);
+		let t = sl(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var tl = {
+var cl = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8166,6 +8191,7 @@ var tl = {
 	plotted: [],
 	span: [0, 1],
 	adding: !1,
+	arranged: 0,
 	bottom: !1,
 	panel: "",
 	dark: null,
@@ -8176,9 +8202,21 @@ var tl = {
 		side: 340,
 		low: 0
 	}
-}, nl = class {
+}, ll = [
+	"C",
+	"I",
+	"R",
+	"G",
+	"Se",
+	"Sf"
+], ul = .9;
+function dl(e) {
+	let t = e.ports ?? [];
+	return t.length ? Ae(e, t.map((e, t) => "we"[t % 2]).join("")).half / Ee[0] : .3;
+}
+var fl = class {
 	transport;
-	state = tl;
+	state = cl;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8221,7 +8259,7 @@ var tl = {
 		}
 	}
 	refused(e) {
-		e instanceof Kc ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof $c ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8229,7 +8267,7 @@ var tl = {
 		} });
 	}
 	take(e) {
-		let t = el(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = sl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8311,8 +8349,11 @@ var tl = {
 	}
 	undo = () => this.ask("undo");
 	redo = () => this.ask("redo");
+	async arrange() {
+		await this.ask("arrange", { keep: [...this.state.nodes] }) && this.set({ arranged: this.state.arranged + 1 });
+	}
 	async add(e, t, n) {
-		let r = new Set(this.state.look?.view.nodes.map((e) => e.name)), i = n ?? this.freePlace(), a = (await this.edit({
+		let r = new Set(this.state.look?.view.nodes.map((e) => e.name)), i = n ?? this.freePlace(e), a = (await this.edit({
 			do: "add",
 			element: e,
 			stem: t,
@@ -8324,11 +8365,21 @@ var tl = {
 			tab: "item"
 		});
 	}
-	freePlace() {
-		let e = this.state.look?.view.nodes ?? [];
-		if (!e.length) return [0, 0];
-		let t = e.find((e) => this.state.nodes.has(e.name)) ?? e[e.length - 1], n = (t, n) => e.some((e) => Math.abs(e.x - t) < .6 && Math.abs(e.y - n) < .6), r = Math.round(t.x), i = Math.round(t.y);
-		for (let [e, t] of [
+	freePlace(e) {
+		let t = this.state.look?.view.nodes ?? [];
+		if (!t.length) return [0, 0];
+		let n = ll.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !ll.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < dl(t) + (s ? ul : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
+			...d,
+			[0, -1],
+			[0, 1]
+		] : [], p = s || dl(o) > .3 ? [
+			[1, 0],
+			[2, 0],
+			[3, 0],
+			[4, 0]
+		] : [], m = [
+			...f,
+			...p,
 			[1, 0],
 			[0, -1],
 			[0, 1],
@@ -8336,8 +8387,9 @@ var tl = {
 			[1, -1],
 			[1, 1],
 			[2, 0]
-		]) if (!n(r + e, i + t)) return [r + e, i + t];
-		for (let e = 3;; e++) if (!n(r + e, i)) return [r + e, i];
+		];
+		for (let [e, t] of m) if (!c(l + e, u + t)) return [l + e, u + t];
+		for (let e = 3;; e++) if (!c(l + e, u)) return [l + e, u];
 	}
 	async bond(e, t) {
 		let n = new Set(this.state.look?.view.bonds.map((e) => e.key)), r = (await this.edit({
@@ -8494,7 +8546,7 @@ var tl = {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = el(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = sl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8511,11 +8563,11 @@ var tl = {
 	}
 };
 // src/widget.tsx
-function rl({ model: e, el: t }) {
-	let n = new qc(), r = new nl(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ z(Xc, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), I(null, t);
+function pl({ model: e, el: t }) {
+	let n = new el(), r = new fl(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ z(rl, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), F(null, t);
 	};
 }
-var il = { render: rl };
-export { il as default, rl as render };
+var ml = { render: pl };
+export { ml as default, pl as render };
