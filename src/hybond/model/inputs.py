@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import field
 from typing import Protocol
 
-from hybond.model.rate_of_function import rate_of
+from hybond.model.rate_of_function import CELLS, longest_near, rate_of
 from hybond.records import dataclass
 from hybond.units import Dimension
 
@@ -173,6 +173,12 @@ class Called:
     breaks: tuple[float, ...] = ()
     end: float = math.inf
     """The end of the run that asks, s, where one does."""
+    spans: dict[tuple[int, int], float] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
+    """The longest span that rates are taken over, s, by the piece and the part of the run.
+
+    They are those of one `end`: of a copy for another there are none yet."""
 
     def piece(self, t: float) -> int:
         """Return how many breaks are at or before `t`."""
@@ -191,8 +197,15 @@ class Called:
         t = self._inside(t, piece)
         end = self.end if t <= self.end else math.inf
         first = max(low, 0.0) if t >= 0.0 else low
-        span = max(1.0, abs(t)) if math.isinf(self.end) else self.end
-        return rate_of(self._number, t, first, min(high, end), span)
+        if math.isinf(self.end):
+            return rate_of(self._number, t, first, high, max(1.0, abs(t)))
+        high = min(high, end)
+        part = (piece, math.floor(t / (self.end / CELLS)))
+        if not 0.0 <= t < high or part[1] >= CELLS:
+            return rate_of(self._number, t, first, high, self.end)
+        if part not in self.spans:
+            self.spans[part] = longest_near(self._number, t, first, high, self.end)
+        return rate_of(self._number, t, first, high, self.end, self.spans[part])
 
     def _number(self, t: float) -> float:
         return float(self.function(t))

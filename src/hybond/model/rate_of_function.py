@@ -6,6 +6,9 @@ the fourth degree, and what is between them is what is there, so that no pulse s
 what is left out is some 1e-13 of the rate, wherever the function is smooth on its own scale of
 time. Next to a place where it is not, all points stand on one side.
 
+A function that is asked at many times is asked at a few first, which belong to a part of the run
+and not to who asks: longer spans than the longest that served one of them are left out there.
+
 Source of the weights: B. Fornberg, *Generation of finite difference formulas on arbitrarily spaced
 grids*, Mathematics of Computation 51 (1988), tables 1 and 3.
 """
@@ -28,12 +31,21 @@ AGREE: Final = 1e-9
 EPS: Final = sys.float_info.epsilon
 NOISE: Final = 4.0
 """Last places of values that are rounding."""
+CELLS: Final = 16
+"""Of so many parts of the time, each has a first span of its own."""
+PLACES: Final = (0.1875, 0.4375, 0.8125)
+"""Where in such a part it is looked for."""
 LAST: Final = 6
 """Of so many of the shortest spans is what values are in doubt by seen."""
 
 
 def rate_of(
-    function: Callable[[float], float], t: float, low: float, high: float, span: float
+    function: Callable[[float], float],
+    t: float,
+    low: float,
+    high: float,
+    span: float,
+    longest: float = math.inf,
 ) -> float:
     """Return the derivative of a function, which is smooth from `low` to `high`, at t.
 
@@ -47,6 +59,8 @@ def rate_of(
         Between which times it is smooth, s; ``low <= t``.
     span : float
         How much time there is, s: what takes some millionth of it is resolved, and far less.
+    longest : float, optional
+        The first span that is tried, s, of those that are tried without.
 
     Returns
     -------
@@ -61,20 +75,15 @@ def rate_of(
     >>> abs(rate / (1e3 * math.cos(1e3 * 0.25)) - 1.0) < 1e-9
     True
     """
-    room = high - low
-    first = min(LONGEST * span, room / 16.0)
+    first = first_span(low, high, span)
     if not first > 0.0:
         return 0.0
-    first = ODD * 2.0 ** math.floor(math.log2(first))
     least = max(SHORTEST * span, 2.0 * math.ulp(t))
     forward = high - t >= t - low
     tried = list[tuple[float, float]]()
-    h = first
+    h = min(first, longest)
     while h >= least or not tried:
-        both = t - 3.0 * h >= low and t + 3.0 * h < high
-        rate, off, rounding = (
-            around(function, t, h) if both else aside(function, t, h if forward else -h)
-        )
+        rate, off, rounding = beside(function, t, h, low, high)
         if off <= AGREE * abs(rate) + rounding:
             return rate
         tried.append((rate, off * h))
@@ -85,6 +94,43 @@ def rate_of(
     # values are known to fewer digits than they have: the longest span with no more doubt than that
     noise = max(doubt for _, doubt in tried[-LAST:])
     return next(rate for rate, doubt in tried if not doubt > noise)
+
+
+def first_span(low: float, high: float, span: float) -> float:
+    """Return the longest span that is tried, s; 0 where there is no room for any."""
+    first = min(LONGEST * span, (high - low) / 16.0)
+    return ODD * 2.0 ** math.floor(math.log2(first)) if first > 0.0 else 0.0
+
+
+def longest_near(
+    function: Callable[[float], float], t: float, low: float, high: float, span: float
+) -> float:
+    """Return the longest span that serves somewhere in the part of the time that t is in.
+
+    The arguments are those of `rate_of`. It is the same for all t of the part, in any order.
+    """
+    first = first_span(low, high, span)
+    cell = span / CELLS
+    begin = math.floor(t / cell) * cell
+    most = 0.0
+    for place in PLACES:
+        at = begin + place * cell
+        h = first
+        while most < h and h >= SHORTEST * span and low <= at < high:
+            rate, off, rounding = beside(function, at, h, low, high)
+            if off <= AGREE * abs(rate) + rounding:
+                most = h
+            h /= 4.0
+    return most if most > 0.0 else math.inf
+
+
+def beside(
+    function: Callable[[float], float], t: float, h: float, low: float, high: float
+) -> tuple[float, float, float]:
+    """Return the rate as `around` does, or, where that has no room, as `aside` does."""
+    if t - 3.0 * h >= low and t + 3.0 * h < high:
+        return around(function, t, h)
+    return aside(function, t, h if high - t >= t - low else -h)
 
 
 def from_one_side(
