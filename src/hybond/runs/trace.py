@@ -308,6 +308,8 @@ class Trace:
     stats: dict[str, float] = field(default_factory=dict)
     unsound: list[Violation] = field(default_factory=list)
     """Laws that were found not to hold, each the first time."""
+    roots: list[tuple[float, list[float]]] = field(default_factory=list)
+    """Of laws with several solutions: times, and bond variables of the one that was followed."""
     signals: object = None
     """What tells signals, powers and energies; the engine sets it."""
     energy: float = 0.0

@@ -34,6 +34,7 @@ from hybond.engine.mode.nonlinear.several import may_have_several
 from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.reasons.noting import ENDS, MANY, note_violation
+from hybond.engine.reasons.warned import ROOT, add_about, begin_warning
 from hybond.engine.surfaces.values import set_motion
 from hybond.engine.words import Floats
 
@@ -73,6 +74,7 @@ def begin_to_follow(e: Engine) -> None:
     b.points = 0
     if b.known:
         put_point(e, mode, e.t)
+        tell_root(e, e.t)
 
 
 def solves_at(e: Engine, t: float, y: Floats) -> bool:
@@ -270,11 +272,35 @@ def see_what_moved(e: Engine, mode: Mode) -> None:
         note_violation(e, mode, e.step.t1, MANY, element_of(e, mode), off, size)
 
 
+def tell_root(e: Engine, t: float) -> None:
+    """Tell who looks into the motion what the solution is at a time, as was just found."""
+    if e.model.tells == 0:
+        return
+    begin_warning(e.warned, ROOT, t)
+    for k in range(2 * e.model.bonds):
+        add_about(e.warned, e.work.w[k])
+
+
+def note_roots(e: Engine) -> None:
+    """Tell of the solution up to where the motion is, and note it if that is beyond its end."""
+    b = e.mode.branch
+    if not b.known:
+        return
+    n = 2 * e.model.bonds
+    for p in range(1, b.points):
+        if b.when.at[p] < e.t:
+            copy_part(n, b.root.at, p * n, e.work.w, 0)
+            tell_root(e, b.when.at[p])
+    if solves_at(e, e.t, e.y):
+        tell_root(e, e.t)
+    see_end(e)
+
+
 def see_end(e: Engine) -> None:
     """Note it if the motion has gone on beyond where the solution that it followed ends."""
     mode = e.mode
     b = mode.branch
-    if not b.known or not b.ended:
+    if not b.ended:
         return
     blur = BLUR * (e.step.t1 - e.step.t0)
     if not e.t > b.when.at[b.points - 1] - blur:

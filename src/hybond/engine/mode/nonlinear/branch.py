@@ -52,6 +52,19 @@ def forget_points(mode: Mode) -> None:
     mode.branch.points = 0
 
 
+def take_points(e: Engine, mode: Mode, many: int, when: Floats, given: Floats) -> None:
+    """Follow what went through these points: times, and bond variables row after row."""
+    b = mode.branch
+    n = 2 * e.model.bonds
+    fit(b.when, many)
+    fit(b.root, many * n)
+    copy_part(many, when, 0, b.when.at, 0)
+    copy_part(many * n, given, 0, b.root.at, 0)
+    b.points = many
+    b.known = many > 0
+    mode.guessed = mode.guessed or b.known
+
+
 def put_point(e: Engine, mode: Mode, t: float) -> None:
     """Note the bond variables just found as those of the solution followed."""
     b = mode.branch

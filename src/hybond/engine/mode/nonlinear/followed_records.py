@@ -42,7 +42,8 @@ class Branch:
     first: Block
     there: Block
     middle: Block
-    """... unknowns where a part of it begins, after one step of Newton's, at its end, half way; ..."""
+    """... unknowns where a part of it begins, after one step of Newton's, at its end, and half
+    way; ..."""
     known_here: Block
     """... and what expressions read where it begins."""
     square: Block
