@@ -449,7 +449,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     begin_field(e, e.mode)
-    begin_to_follow(e)
+    begin_to_follow(e, r.warm)
     if e.slide.k == 0:
         start_scale(e, e.mode)
     take_rates(e, e.mode)

@@ -21,6 +21,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.branch import (
+    begin_at_root,
     forget_points,
     groups_of,
     know,
@@ -59,10 +60,17 @@ APART: Final = 1e-3
 """How far apart two solutions are, as a part of the largest variable of the kind."""
 
 
-def begin_to_follow(e: Engine) -> None:
-    """Take the solution that laws have where the motion begins for the one to follow."""
+def begin_to_follow(e: Engine, again: bool) -> None:
+    """Take the solution that laws have where the motion begins for the one to follow.
+
+    Where a run goes on `again` from where the last step of another began, that one's.
+    """
     mode = e.mode
     b = mode.branch
+    if e.root_given:
+        begin_at_root(mode, e.root_before if again else e.root_now)
+    e.root_given = False
+    e.root_known = 0.0
     # what a run moves by that is unsound already is nothing to follow
     if e.slide.k > 0 or e.checks.violated > 0 or not may_have_several(e, mode):
         b.known = False
@@ -74,7 +82,7 @@ def begin_to_follow(e: Engine) -> None:
     b.points = 0
     if b.known:
         put_point(e, mode, e.t)
-        tell_root(e, e.t)
+        keep_root(e)
 
 
 def solves_at(e: Engine, t: float, y: Floats) -> bool:
@@ -292,8 +300,17 @@ def note_roots(e: Engine) -> None:
             copy_part(n, b.root.at, p * n, e.work.w, 0)
             tell_root(e, b.when.at[p])
     if solves_at(e, e.t, e.y):
-        tell_root(e, e.t)
+        keep_root(e)
     see_end(e)
+
+
+def keep_root(e: Engine) -> None:
+    """Keep the solution just found where the motion is, for a run that goes on, and tell of it."""
+    n = 2 * e.model.bonds
+    e.root_known = 1.0
+    copy_part(n, e.work.w, 0, e.root_now, 0)
+    copy_part(n, e.mode.branch.root.at, 0, e.root_before, 0)
+    tell_root(e, e.t)
 
 
 def see_end(e: Engine) -> None:

@@ -241,6 +241,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         for d in rows
         for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
     ]
+    t.numbers["turns"] = t.ints["slope_sign"].count(0)
     t.numbers["flats"] = sum(t.ints["slope_flat"])
     t.ints["slope_isolated"] = [
         int(names(e) == {name} and isolated(e))
