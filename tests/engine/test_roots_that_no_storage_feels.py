@@ -103,7 +103,7 @@ def first_fold(many):
         return np.eye(many) + 0.8 * own + 0.5 * np.ones((many, many)) @ own
 
     x, u, way, most = np.zeros(many), 0.0, None, 0.0
-    for _ in range(4000):
+    for _ in range(2000):
         # along the arc: the null vector of [by_x, -1], and a few of Newton's steps across it
         _, _, v = np.linalg.svd(np.hstack([by_x(x), -np.ones((many, 1))]))
         here = v[-1] if way is None and v[-1][-1] > 0.0 else -v[-1] if way is None else v[-1]
@@ -111,8 +111,8 @@ def first_fold(many):
         if way is not None and here[-1] < 0.0:
             return most
         way = here
-        x, u = x + 1e-3 * way[:-1], u + 1e-3 * way[-1]
-        for _ in range(3):
+        x, u = x + 2e-3 * way[:-1], u + 2e-3 * way[-1]
+        for _ in range(2):
             flow = x**3 - c * x
             off = x + 0.8 * flow + 0.5 * flow.sum() - u
             whole = np.vstack([np.hstack([by_x(x), -np.ones((many, 1))]), way])
@@ -135,7 +135,7 @@ def test_what_is_read_is_the_solution_followed_in_any_order(away):
     run = hb.simulate(m, until="7 s")
     assert run.status == "ok" and len(run.events) == 1 and run.audit().holds()
     t = np.linspace(0.0, 7.0, 36)
-    expected = between_folds(np.sin(t))
+    expected = between_folds(np.sin(t)) * (-1.0 if away else 1.0)
     assert run["G0.e"].at(t) == pytest.approx(expected, abs=1e-9)
     for k in (20, 8, 24, 3, 35):
         assert run["G0.e"].at(t[k]) == pytest.approx(expected[k], abs=1e-9)
