@@ -61,6 +61,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
                             beside
             led_up          from nothing known to all that is
             enclosed        one law alone, between two signs
+            several, one_root    whether laws may have several solutions
+            branch, followed_records    the one that a motion follows: where Newton's method begins
             beside_jumps, level    solutions just beside a jump; what is rounding of what is known
             put_back, agreement    whether a solution holds; whether sources agree
             freedom, flat_sides    what a system leaves free; laws at a corner beside which they are
@@ -207,6 +209,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         courses_ahead       steps that see all of what time does
         phases              how phases of the plant go on, such as the angle of a flywheel
         courses_kept        what is known of both, for a run that goes on
+        roots_followed      which of several solutions of laws goes on, and where it ends
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest
         on_surfaces, level_jumps    a step along surfaces ends: the state is put back, unless they

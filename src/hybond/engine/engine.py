@@ -181,6 +181,13 @@ class Engine:
     """What each storage held that its rounding is still measured by; see `mode/digits/fading`."""
     remembered_before: Floats
     """The same where the last step began."""
+    root_known: float
+    """Whether a solution of laws with several is handed on: 1, else 0; ..."""
+    root_given: bool
+    """... and whether one was, to a run that has not begun to move."""
+    root_now: Floats
+    root_before: Floats
+    """Its bond variables where the motion is, and where the last step began."""
     seen_before: Floats
     fades_before: Floats
     """What was `seen` in the mode of a run that goes on, and what it faded to."""
@@ -330,6 +337,10 @@ def make_engine(m: Model) -> Engine:
     e.pushed_energy = floats(m.storages + 1)
     e.remembered = floats(m.storages)
     e.remembered_before = floats(m.storages)
+    e.root_known = 0.0
+    e.root_given = False
+    e.root_now = floats(2 * m.bonds)
+    e.root_before = floats(2 * m.bonds)
     e.seen_before = floats(2 * m.bonds)
     e.fades_before = floats(m.storages)
     e.part_energy = floats(m.storages + 1)

@@ -127,22 +127,22 @@ class Model:
     """Whether it is that of a two-port whose modulus may jump with what is stored."""
     dynamic_affine: Ints  # whether its slopes do not read bond variables
     dynamic_jumps: Ints  # 1: a law that jumps where what it reads is zero, 2: bends or is flat
+    dynamic_breaks: Ints  # whether it may jump anywhere
     dynamic_fixed: Ints  # whether it reads nothing but bond variables, and its slopes are numbers
     dynamic_free: Ints
     """The first of the bond variables that it forbids to carry an impulse; then the next row's."""
     free_column: Ints
     law_reads: Ints  # of each row: the first of the bond variables that it reads, ...
-    law_column: Ints
-    """... whether it has a slope by them or not."""
+    law_column: Ints  # ... whether it has a slope by them or not
     slope_first: Ints
     slope_column: Ints
     slope_value: Ints
     slope_constant: Floats
     slope_flat: Ints  # of a law that gives one variable of a bond: whether it is zero on a stretch
     flats: int  # how many are
-    slope_isolated: (
-        Ints  # by the one variable that it reads: whether one that is zero is so at points
-    )
+    turns: int  # how many slopes have no sign that is told
+    slope_sign: Ints  # that a slope has whatever its law reads, 1 or -1; 0 if none is told
+    slope_isolated: Ints  # by the one variable that it reads: whether one is zero at points alone
     frozen_first: Ints
     """Slopes with moduli held: what the structure is at an instant."""
     frozen_column: Ints

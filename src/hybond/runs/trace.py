@@ -209,6 +209,7 @@ def _instant(event: Event) -> float:
 
 ONE_SOLUTION = "one solution"
 """What laws should have that were found to have more."""
+GOES_ON = "the solution followed goes on"
 
 UNBALANCED = "no energy comes from nowhere"
 CREATES = "a jump creates no energy"
@@ -247,6 +248,12 @@ class Violation:
                 f"at t = {self.t:.9g} s in mode ({self.mode}) the laws around {self.place} have "
                 f"more than one solution, {self.off:.6g} apart: the run moved by one of them, and "
                 "what is read of it may be another"
+            )
+        if self.law == GOES_ON:
+            return (
+                f"at t = {self.t:.9g} s in mode ({self.mode}) the solution of the laws around "
+                f"{self.place} that the run has followed ends (a fold): the laws have another, "
+                f"{self.off:.6g} away, and do not say how it is gone to"
             )
         if self.law == UNBALANCED:
             return (
@@ -301,6 +308,8 @@ class Trace:
     stats: dict[str, float] = field(default_factory=dict)
     unsound: list[Violation] = field(default_factory=list)
     """Laws that were found not to hold, each the first time."""
+    roots: list[tuple[float, list[float]]] = field(default_factory=list)
+    """Of laws with several solutions: times, and bond variables of the one that was followed."""
     signals: object = None
     """What tells signals, powers and energies; the engine sets it."""
     energy: float = 0.0

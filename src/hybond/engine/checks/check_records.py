@@ -118,6 +118,7 @@ def make_checks(m: Model) -> Checks:
         + m.ports
         + m.elements
         + 3 * m.storages
+        + m.elements
     )
     c.root = ints(m.bonds)
     c.reached = ints(m.bonds)

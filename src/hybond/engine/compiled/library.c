@@ -333,6 +333,17 @@ SHOWN int hybond_look_into(HybondRun *look, double t, const int *state, const in
                      branch, energy);
 }
 
+/* The solution that a motion had of laws with several: times, and bond variables row after row. */
+SHOWN int hybond_look_from(HybondRun *look, int many, int wide, const double *when,
+                           const double *given)
+{
+    if (setjmp(look->arena.spent) != 0) {
+        return ended(look);
+    }
+    look_from(look->e, many, wide, when, given);
+    return OK;
+}
+
 /* The states of machines in each mode that is combined, and how many modes these are; NULL asks
  * for their number alone. */
 SHOWN int hybond_look_modes(HybondRun *look, int *state)

@@ -68,6 +68,10 @@ class Look(ABC):
         """Take the equations of a motion; return how many modes are combined there."""
 
     @abstractmethod
+    def _follow(self, when: Vector, roots: Vector) -> None:
+        """Follow the solutions that a motion had."""
+
+    @abstractmethod
     def _modes(self) -> Numbers:
         """Return the states of machines in each of these modes."""
 
@@ -175,6 +179,28 @@ class Look(ABC):
             # into nothing, if that fails
             self._parts = 0
             self._parts = self._enter(Motion(t, mode, on, found, product, rows, energy))
+
+    def follow(self, when: ArrayLike, roots: ArrayLike) -> None:
+        """Follow the solution that the motion had of laws with several.
+
+        Parameters
+        ----------
+        when : array, shape (points,)
+            Times of the motion, in order, s.
+        roots : array, shape (points, bond variables)
+            What bond variables were then; between two points that is as good as straight.
+
+        Raises
+        ------
+        ValueError
+            For other shapes, or what is not finite.
+        """
+        self._ready()
+        times, found = floats(when, 1, "when"), floats(roots, 2, "roots")
+        if len(times) != len(found) or not found.size:
+            raise ValueError("solutions and times do not belong together")
+        with self._lock:
+            self._follow(times, found)
 
     def modes(self) -> Numbers:
         """Return the states of machines in each mode that is combined, shape (parts, machines).

@@ -34,6 +34,7 @@ def _looking() -> ctypes.CDLL:
             *(handle, ctypes.c_double, handle, handle, number, handle),
             *(number, number, handle, ctypes.c_double),
         ],
+        "from": [handle, number, number, handle, handle],
         "modes": [handle, handle],
         "at": [handle, number, points, number, handle, handle, handle, handle],
         "along": [
@@ -96,6 +97,11 @@ class NativeLook(Look):
             )
         )
         return int(self._library.hybond_look_modes(self._handle, None))
+
+    def _follow(self, when: Vector, roots: Vector) -> None:
+        many, wide = roots.shape
+        given = self._handle, many, wide, address(when), address(roots)
+        self._check(self._library.hybond_look_from(*given))
 
     def _modes(self) -> Numbers:
         found = np.zeros((self._parts, self.model.record.machines), dtype=np.intc)

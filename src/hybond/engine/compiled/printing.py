@@ -16,6 +16,7 @@ HERE = Path(__file__).parent
 ROOTS = (
     *("make_engine", "make_report", "make_run", "run_to_end", "forget_rows", "report_broken"),
     *("make_look", "look_into", "points_at", "points_within", "ask_for"),
+    "look_from",
     *("look_values", "look_parts", "parts_of", "make_meter", "look_powers", "look_energies"),
     *("look_stored", "look_sources", "look_by_knowns", "try_at_start"),
     *("run_code", "run_pair_code", "make_carrier", "take_out", "take_over"),

@@ -16,6 +16,7 @@ from hybond.engine.looking.energies import look_energies, look_powers, make_mete
 from hybond.engine.looking.known import look_by_knowns, look_sources, look_stored
 from hybond.engine.looking.look import (
     ask_for,
+    look_from,
     look_into,
     look_parts,
     look_values,
@@ -56,6 +57,11 @@ class PythonLook(Look):
             *(len(m.modes), m.modes.ravel().tolist(), m.energy),
         )
         return self._engine.slide.parts
+
+    def _follow(self, when: Vector, roots: Vector) -> None:
+        many, wide = roots.shape
+        given = many, wide, when.tolist(), roots.ravel().tolist()
+        look_from(self._engine, *given)
 
     def _modes(self) -> Numbers:
         machines = self._record.machines

@@ -22,6 +22,8 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.nonlinear.agreement import check_agreement
+from hybond.engine.mode.nonlinear.branch import forget_points, take_points
+from hybond.engine.mode.nonlinear.several import may_have_several
 from hybond.engine.model import Model
 from hybond.engine.surfaces.averages import solve_here
 from hybond.engine.surfaces.branch_table import add_branches
@@ -152,6 +154,7 @@ def look_into(
     l.corrects = l.corrects and m.method != MOREAU
     # what is found does not depend on what was looked into before
     e.mode.guessed = False
+    forget_points(e.mode)
     for part in range(e.slide.parts if e.slide.k > 0 else 0):
         part_mode(e, part).guessed = False
     for k in range(2 * m.slots):
@@ -168,6 +171,12 @@ def look_into(
             if e.mode.prior_acts[k] != 0:
                 l.vanishing[m.prior_slot[i]] = 1
     return OK
+
+
+def look_from(e: Engine, many: int, wide: int, when: Floats, given: Floats) -> None:
+    """Follow the solution that the motion had of laws with several, at so many points."""
+    if wide == 2 * e.model.bonds and e.slide.k == 0 and may_have_several(e, e.mode):
+        take_points(e, e.mode, many, when, given)
 
 
 def set_flags(m: Model, mode: Mode, v: Floats) -> None:

@@ -13,6 +13,7 @@ from hybond.engine.mode.kept_modes import find_kept, keep_mode
 from hybond.engine.mode.left_free.leakage import fold, least_leakage
 from hybond.engine.mode.mode_records import NOT_KNOWN, Mode
 from hybond.engine.mode.nonlinear.apart import find_groups
+from hybond.engine.mode.nonlinear.followed_records import UNKNOWN
 from hybond.engine.mode.nonlinear.newton import by_knowns
 from hybond.engine.mode.nonlinear.newton_system import take_rank
 from hybond.engine.mode.reading import read_rates
@@ -244,6 +245,8 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.direct = mode.finite
     read_rates(e, mode, mode.rates)
     mode.guessed = False
+    mode.branch.several = UNKNOWN
+    mode.branch.known = False
     mode.looks = 0
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False

@@ -16,6 +16,7 @@ from hybond.engine.algebra.sparse_lu import SparseLu, make_sparse_lu
 from hybond.engine.mode.comparisons.standing_records import Stood, make_stood
 from hybond.engine.mode.comparisons.sum_records import Sums, make_sums
 from hybond.engine.mode.nonlinear.apart_records import Apart, make_apart
+from hybond.engine.mode.nonlinear.followed_records import Branch, make_branch
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -219,6 +220,7 @@ class Mode:
     """
     guessed: bool
     guess: Block
+    branch: Branch
     ways: Ways
     ties: Ties
     connected: bool
@@ -386,6 +388,7 @@ def make_mode(m: Model) -> Mode:
     mode.leakage = make_leakage()
     mode.freedom = make_block(1)
     mode.guess = make_block(1)
+    mode.branch = make_branch()
     mode.ways = make_ways()
     mode.ties = make_ties()
     mode.bond_part = ints(m.bonds)

@@ -16,6 +16,7 @@ from hybond.engine.mode.digits.closely import closely, sum_closely
 from hybond.engine.mode.equations import eliminate_by, level_of
 from hybond.engine.mode.left_free.undetermined import least_of_free
 from hybond.engine.mode.mode_records import Mode, Reads
+from hybond.engine.mode.nonlinear.branch import begin_at_root, begin_on_branch
 from hybond.engine.mode.nonlinear.newton import by_knowns, keep_guess, knowns_of, newton
 from hybond.engine.mode.nonlinear.newton_system import largest_of, measure_terms, write_bonds
 from hybond.engine.mode.nonlinear.put_back import HIDDEN, UNIT, is_known
@@ -68,6 +69,10 @@ def solve_in_step(e: Engine, mode: Mode, v: Floats) -> int:
 def by_newton(e: Engine, mode: Mode, v: Floats) -> int:
     """Put the bond variables of a mode with laws that are evaluated into `e.work.w`."""
     count_work(e, 2 * e.model.bonds + mode.knowns)
+    if mode.branch.known and mode.guessed:
+        begin_on_branch(e, mode, v[0])
+    elif e.root_given and not mode.guessed:
+        begin_at_root(mode, e.root_now)
     knowns_of(e, mode, v, True)
     if newton_with_digits(e, mode, v) != OK:
         return NOT_FINITE
@@ -137,7 +142,7 @@ def newton_apart(e: Engine, mode: Mode, v: Floats) -> int:
     by_knowns(e, mode, mode.finite, at)
     for k in range(2 * e.model.bonds):
         at[k] = max(math.fabs(at[k]), math.fabs(w[k]))
-    eliminate_by(e, mode, at)
+    eliminate_again(e, mode, at)
     for j in range(mode.finite_frees):
         mode.guess.at[j] = w[mode.free_column[j]]
         mode.guessed = True
@@ -193,10 +198,19 @@ def part_hidden(e: Engine) -> float:
 def weigh(e: Engine, mode: Mode) -> None:
     """Eliminate the rows of a mode anew, by how large bond variables are where digits were lost."""
     at = e.work.lost_at
-    eliminate_by(e, mode, at)
+    eliminate_again(e, mode, at)
     for j in range(mode.finite_frees):
         mode.guess.at[j] = at[mode.free_column[j]]
         mode.guessed = True
+
+
+def eliminate_again(e: Engine, mode: Mode, at: Floats) -> None:
+    """Eliminate the rows of a mode anew; its laws are what they were, and so is their solution."""
+    several = mode.branch.several
+    known = mode.branch.known
+    eliminate_by(e, mode, at)
+    mode.branch.several = several
+    mode.branch.known = known
 
 
 def solve_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> int:

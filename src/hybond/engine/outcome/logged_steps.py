@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import overload
@@ -17,6 +18,8 @@ from hybond.records import dataclass
 from hybond.runs.trace import Segment
 
 Vector = NDArray[np.float64]
+Root = tuple[float, list[float]]
+"""A time, and bond variables then, of the solution of laws that a run followed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,3 +169,19 @@ def begin_later(steps: Steps, t: float) -> Steps:
         return replace(steps, state=state.begun_at(np.asarray(moved[0])))
     state[0, 0] = moved[0]
     return steps
+
+
+def roots_within(roots: Sequence[Root], segment: Segment) -> Sequence[Root]:
+    """Return the points within a segment, and beside its ends, of the solution that a run told.
+
+    Where one motion ends another begins: the last point that is there is the first of its own.
+    """
+    begin, end = float(segment.t[0]), float(segment.t[-1])
+    first = max(bisect_right(roots, begin, key=_when) - 1, 0)
+    last = bisect_left(roots, end, lo=first, key=_when) + 1
+    own = roots[first:last]
+    return own if own and own[0][0] <= end and own[-1][0] >= begin else []
+
+
+def _when(root: Root) -> float:
+    return root[0]

@@ -96,6 +96,7 @@ class Records:
         self.explain = Explaining(tables) if explain is None else explain
         self.warnings = Warnings(self.graph, self.explain, tables.ints["element_node"])
         self.trace.unsound = self.warnings.unsound
+        self.trace.roots = self.warnings.roots
         self._open: list[frozenset[str]] = []
         self.broken: tuple[Instants, int] | None = None
         """An instant that could not be settled."""

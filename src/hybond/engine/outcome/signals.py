@@ -20,7 +20,7 @@ from hybond.engine.compiled.rows import MACHINES_OF_STEP
 from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
-from hybond.engine.outcome.logged_steps import Block, steps_around
+from hybond.engine.outcome.logged_steps import Block, roots_within, steps_around
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
 from hybond.model.graph import FlatGraph, Mode
@@ -163,7 +163,7 @@ class Signals:
         for block, places, numbers in segments.origins(asked):
             alone = np.zeros(len(places), dtype=bool)
             if isinstance(block, Block):
-                alone = block.alone[numbers]
+                alone = block.alone[numbers] & (not self._trace.roots)
                 if alone.any():
                     of_block = numbers[alone], places[alone]
                     along.append(Along.of(block, *of_block, first, ends, t))
@@ -448,6 +448,8 @@ class Signals:
             modes=made.modes,
             energy=self._energy,
         )
+        if own := roots_within(self._trace.roots, segment):
+            self._look.follow([t for t, _ in own], [root for _, root in own])
         self._into = segment
 
     # -- expressions

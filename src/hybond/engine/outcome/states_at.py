@@ -49,7 +49,7 @@ def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) 
         deep = True
     else:
         y, mode, landed, made = _within(graph, trace, signals, t)
-        number = np.array([t, *y])
+        number = np.array([t, *y, *_root(trace, t)])
         place = place_of(tables, mode, landed, made.surfaces, product=made.product)
         deep = False
     memory = Memory(
@@ -64,6 +64,19 @@ def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) 
     assert graph.read is not None
     units = {path: unit_of(graph.read(path), graph) for path in (*stored, *rest)}
     return State(graph.name, t, stored, rest, graph.mode_names(mode), landed, units, memory)
+
+
+def _root(trace: Trace, t: float) -> list[float]:
+    """Return the solution of laws with several that was followed, as a run is handed it."""
+    k = bisect.bisect_right(trace.roots, t, key=lambda root: root[0])
+    if k == 0:
+        return []
+    at, root = trace.roots[k - 1]
+    if k < len(trace.roots) and at < t:
+        behind, there = trace.roots[k]
+        part = (t - at) / (behind - at)
+        root = [a + part * (b - a) for a, b in zip(root, there, strict=True)]
+    return [1.0, *root, *root]
 
 
 def _end(trace: Trace) -> float:

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from hybond.engine.tables.contacts import rules_of
 from hybond.errors import NumericsError
 from hybond.model.graph import FlatGraph, Node
-from hybond.runs.trace import CREATES, ONE_SOLUTION, UNBALANCED, Violation
+from hybond.runs.trace import CREATES, GOES_ON, ONE_SOLUTION, UNBALANCED, Violation
 
-ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT, MANY, BALANCE, RATE, CREATED = range(
-    11
-)
+ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT = range(7)
+MANY, BALANCE, RATE, CREATED, ENDS = range(7, 12)
 """What does not hold: as in `hybond.engine.reasons.noting`."""
 SUMS = {
     "0": "one effort, and flows that add up to zero",
@@ -51,7 +50,7 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
         ]
         machine, forced = ruled[index]
         return machine.path, f"{FIRES if what == UNFIRED else ONE_INSTANT} {forced.rule.text}"
-    if what in (ELEMENT, MANY):
+    if what in (ELEMENT, MANY, ENDS):
         node = graph.nodes[elements[index]]
     elif what in (STORAGE, UNTOUCHED, BALANCE, RATE, CREATED):
         node = graph.nodes[graph.storages[index].node]
@@ -60,8 +59,8 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
     else:
         ports = [law.node for m in graph.machines if m.law is not None for law in m.law.junctions]
         node = graph.nodes[ports[index]]
-    if what == MANY:
-        return node.path, ONE_SOLUTION
+    if what in (MANY, ENDS):
+        return node.path, ONE_SOLUTION if what == MANY else GOES_ON
     if what in (BALANCE, CREATED):
         return node.path, UNBALANCED if what == BALANCE else CREATES
     if what == RATE:
@@ -80,7 +79,7 @@ def unsound_refusal(found: Sequence[Violation], t_end: float) -> NumericsError:
     """Return what a run says in which laws do not hold."""
     first = found[0]
     more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-    many = first.law == ONE_SOLUTION
+    many = first.law in (ONE_SOLUTION, GOES_ON)
     return NumericsError(
         f"{first}{more}; the run went on to t = {t_end:.9g} s, and its values are wrong from there "
         "on",

@@ -22,7 +22,7 @@ NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
-GUARD_AT_REST, UNRESOLVED = 22, 23
+GUARD_AT_REST, UNRESOLVED, ROOT = 22, 23, 24
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -67,6 +67,8 @@ class Warnings:
         self._elements = elements
         self.unsound: list[Violation] = []
         """Laws that were found not to hold."""
+        self.roots: list[tuple[float, list[float]]] = []
+        """Of laws with several solutions: points of the one that was followed."""
         self.made = ""
         """What steps of a fixed length have made or lost, if that is much."""
         self.explain = explain
@@ -100,6 +102,9 @@ class Warnings:
                 if key in self._said:
                     continue
                 self._said.add(key)
+            if kind == ROOT:
+                self.roots.append((float(rows.warn_time[k]), about))
+                continue
             if kind == UNREST:
                 _, why, reaction, force, sign = about
                 self.unrest = int(why), int(reaction), force, int(sign)

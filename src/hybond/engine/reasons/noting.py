@@ -30,6 +30,9 @@ MOVES: Final = 9
 CREATED: Final = 10
 """A jump has created energy: the storage that has got most of it."""
 
+ENDS: Final = 11
+"""The solution of laws that the motion followed ends: the number of an element that takes part."""
+
 
 def note_violation(
     e: Engine, mode: Mode, t: float, what: int, index: int, off: float, size: float
@@ -89,5 +92,7 @@ def place_of(e: Engine, what: int) -> int:
     if what > BALANCE:
         at += m.storages
     if what > MOVES:
+        at += m.storages
+    if what > CREATED:
         at += m.storages
     return at

@@ -74,6 +74,10 @@ UNRESOLVED: Final = 23
 """Rounding of what a law carries, or blocks, is not small beside it. Numbers: the rule, how much
 that was at the most, and its rounding; said once."""
 
+ROOT: Final = 24
+"""No warning: of laws with several solutions, a point of the one that is followed, for who looks
+into the motion. Numbers: all bond variables."""
+
 
 @record
 class Warned:

@@ -116,6 +116,12 @@ def carry_state(e: Engine, c: Carrier) -> None:
     s = e.slide
     e.t = carry_number(c, e.t)
     carry_floats(c, e.states, e.y)
+    if e.model.turns > 0:
+        # what no storage feels is known only from where it was
+        e.root_known = carry_number(c, e.root_known)
+        carry_floats(c, 2 * e.model.bonds, e.root_now)
+        carry_floats(c, 2 * e.model.bonds, e.root_before)
+        e.root_given = c.puts and e.root_known != 0.0
     carry_ints(c, machines_carried(e), e.state)
     carry_ints(c, machines_carried(e), e.landings.landed)
     if c.puts:

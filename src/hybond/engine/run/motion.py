@@ -74,6 +74,7 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.noted import go_on, note, tell_at_end
+from hybond.engine.run.roots_followed import begin_to_follow, follow_roots
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
     FRESH,
@@ -289,6 +290,7 @@ def flow(e: Engine, r: Run) -> int:
             continue
         if taken != OK:
             return -1
+        follow_roots(e)
         # what is tied to sources is known there in closed form, on its constraints
         g.held = g.tied
         g.rough = not (g.tied or shows_instants(e))
@@ -449,6 +451,7 @@ def begin_flow(e: Engine, r: Run) -> int:
     if limits_vary(m) and look_at_limits(e) != OK:
         return REFUSED
     begin_field(e, e.mode)
+    begin_to_follow(e, r.warm)
     if e.slide.k == 0:
         start_scale(e, e.mode)
     take_rates(e, e.mode)

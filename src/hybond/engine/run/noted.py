@@ -19,6 +19,7 @@ from hybond.engine.methods.stepping import between, start
 from hybond.engine.planar.stops import arm_slips
 from hybond.engine.run.log import report_step
 from hybond.engine.run.on_surfaces import hold_to_surfaces
+from hybond.engine.run.roots_followed import note_roots
 from hybond.engine.run.run_records import Run
 from hybond.engine.run.source_jumps import put_before_kink
 from hybond.engine.surfaces.values import set_state
@@ -46,6 +47,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if m.disks > 0:
         arm_slips(e, t, e.y)
     e.t = t
+    note_roots(e)
     if m.laws > 0 and e.slide.k == 0 and hold_gaps(e, e.shown) != OK:
         return REFUSED
     if t > r.resumed:

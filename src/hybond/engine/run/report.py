@@ -32,6 +32,7 @@ from hybond.engine.reasons.noting import (
     BALANCE,
     CREATED,
     ELEMENT,
+    ENDS,
     IMPACT,
     MANY,
     MOVES,
@@ -303,6 +304,9 @@ def put_unsound(e: Engine) -> None:
         put_text(rule_text(m, c.index))
     elif c.what == MANY:
         put_text("another solution of ")
+        put_text(node_name(m, m.element_node[c.index]))
+    elif c.what == ENDS:
+        put_text("the end of a solution of ")
         put_text(node_name(m, m.element_node[c.index]))
     elif c.what == BALANCE:
         put_text("the energy of steps of ")

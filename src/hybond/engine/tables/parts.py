@@ -12,6 +12,7 @@ from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
 from hybond.equations.isolated import isolated
+from hybond.equations.one_sign import one_sign
 from hybond.equations.rounding import rounding, rounding_of_law
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
@@ -163,6 +164,13 @@ def _turns_on_dust(d: Dynamic) -> int:
     return 2 if is_flat_at_zero(d.expression, read) else 0
 
 
+def _breaks(d: Dynamic) -> bool:
+    """Whether a law may jump: at a number that it reads, or as that comes through zero."""
+    read = "" if d.partner is None else d.partner[0]
+    jumps = [a for a in jumping(d.expression) if reads_bonds(a)]
+    return any(names(a) != {read} or not meets(d.expression, Name(read)) for a in jumps)
+
+
 def is_flat_at_zero(law: Expr, read: str) -> bool:
     """Whether a law gives nothing more, to first order, beside where what it reads is zero."""
     slope = substitute(differentiate(law, read), {read: Number(0.0)})
@@ -204,6 +212,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     ]
     t.ints["dynamic_affine"] = [int(not _bent(d)) for d in rows]
     t.ints["dynamic_jumps"] = [_turns_on_dust(d) for d in rows]
+    t.ints["dynamic_breaks"] = [int(_breaks(d)) for d in rows]
     t.ints["dynamic_rounding"] = [
         t.values.number(rounding_of_law(d.expression), f"law of {g.nodes[d.node].path}, its terms")
         for d in rows
@@ -227,6 +236,12 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         for d in rows
         for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
     ]
+    t.ints["slope_sign"] = [
+        one_sign(e)
+        for d in rows
+        for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
+    ]
+    t.numbers["turns"] = t.ints["slope_sign"].count(0)
     t.numbers["flats"] = sum(t.ints["slope_flat"])
     t.ints["slope_isolated"] = [
         int(names(e) == {name} and isolated(e))

@@ -1,0 +1,85 @@
+"""The solution that a motion follows, of laws that may have several."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
+from hybond.engine.words import record
+
+UNKNOWN: Final = 0
+NEVER: Final = 1
+MAY: Final = 2
+"""Whether laws may have several solutions: it was not asked, they have one, they may have more."""
+
+
+@record
+class Branch:
+    """The solution of laws that was followed through the last step: its `points`.
+
+    `several` says whether there may be others. Where `known`, bond variables were ``root`` at the
+    times `when`, a row each; between two points the solution is as good as straight. Where `ended`
+    it leads no further than to the last of them.
+    """
+
+    several: int
+    known: bool
+    ended: bool
+    points: int
+    when: Block
+    root: Block
+    sign: Block
+    """Of each group of laws: that of the determinant of slopes at the last point; 0 if it has none;
+    ..."""
+    now: Block
+    signs_there: Block
+    """... and elsewhere."""
+    own: Block
+    """Bond variables as the step has left them; ..."""
+    y: Block
+    """... a state within it; ..."""
+    here: Block
+    first: Block
+    there: Block
+    middle: Block
+    """... unknowns where a part of it begins, after one step of Newton's, at its end, and half
+    way; ..."""
+    known_here: Block
+    """... and what expressions read where it begins."""
+    square: Block
+    parts: Block
+    part_from: Places
+    chosen: Places
+    product: Block
+    pivot: Places
+    values: Block
+    """Room of those who tell whether laws that hang together have one solution, see `one_root`."""
+
+
+def make_branch() -> Branch:
+    """Return none."""
+    b = Branch()
+    b.several = UNKNOWN
+    b.known = False
+    b.ended = False
+    b.points = 0
+    b.when = make_block(1)
+    b.root = make_block(1)
+    b.sign = make_block(1)
+    b.now = make_block(1)
+    b.signs_there = make_block(1)
+    b.own = make_block(1)
+    b.y = make_block(1)
+    b.here = make_block(1)
+    b.first = make_block(1)
+    b.there = make_block(1)
+    b.middle = make_block(1)
+    b.known_here = make_block(1)
+    b.square = make_block(1)
+    b.parts = make_block(1)
+    b.part_from = make_places(1)
+    b.chosen = make_places(1)
+    b.product = make_block(1)
+    b.pivot = make_places(1)
+    b.values = make_block(1)
+    return b

@@ -1,0 +1,117 @@
+"""Whether the laws of a mode may have several solutions.
+
+A law that is alone with its unknown has one if what is left of it has slopes of one sign, whatever
+it reads. Of laws that hang together that is told by the signs of their slopes (`one_root`); where
+those are many, by whether each of them, a law of one bond, resists. Ranges tell a sign, or else
+slopes at numbers of all sizes.
+Laws that jump, and those that hide constraints, are not asked: they are as if they had one.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import copy_part
+from hybond.engine.answers import value
+from hybond.engine.engine import Engine
+from hybond.engine.method_numbers import MOREAU, QSS1
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.nonlinear.followed_records import MAY, NEVER, UNKNOWN
+from hybond.engine.mode.nonlinear.one_root import (
+    LARGEST,
+    MOST,
+    PER_DECADE,
+    SMALLEST,
+    has_one_root,
+)
+from hybond.engine.words import Floats
+
+
+def may_have_several(e: Engine, mode: Mode) -> bool:
+    """Whether the laws of a mode may have several solutions, of which one has to be followed."""
+    b = mode.branch
+    if b.several == UNKNOWN:
+        b.several = MAY if is_followed(e, mode) and not is_single(e, mode) else NEVER
+    return b.several == MAY
+
+
+def is_followed(e: Engine, mode: Mode) -> bool:
+    """Whether solutions of a mode are of the kind that can be followed."""
+    m = e.model
+    if mode.dynamics == 0 or mode.affine or mode.opened or mode.rank != mode.structures:
+        return False
+    if m.laws > 0 or m.method == MOREAU or m.method >= QSS1 or mode.dynamics != mode.finite_frees:
+        return False
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        if d < 0 or m.dynamic_breaks[d] != 0:
+            return False
+    return True
+
+
+def is_single(e: Engine, mode: Mode) -> bool:
+    """Whether laws resist, each for itself, or nothing turns in each that is alone."""
+    a = mode.apart
+    if a.groups == 0:
+        return False
+    fit(mode.branch.values, 2 * e.model.slots)
+    v = mode.branch.values.at
+    copy_part(2 * e.model.slots, e.v, 0, v, 0)
+    for g in range(a.groups):
+        begin = a.begins.at[g]
+        end = a.begins.at[g + 1]
+        alone = end == begin + 1
+        if (alone or end - begin > MOST) and resist(e, mode, begin, end, v):
+            continue
+        if not has_one_root(e, mode, begin, end, v):
+            return False
+    return True
+
+
+def resist(e: Engine, mode: Mode, begin: int, end: int, v: Floats) -> bool:
+    """Whether laws of one group resist, each for itself, or the one alone does not turn."""
+    a = mode.apart
+    for q in range(begin, end):
+        if not keeps_sign(e, mode, a.row.at[q], a.unknown.at[q] if end == begin + 1 else -1, v):
+            return False
+    return True
+
+
+def keeps_sign(e: Engine, mode: Mode, i: int, j: int, v: Floats) -> bool:
+    """Whether row i, a law of one bond, has slopes of one sign by unknown j; if -1, resists."""
+    m = e.model
+    d = mode.dynamic[i]
+    partner = m.dynamic_partner[d]
+    if partner < 0:
+        return False
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        k = m.slope_column[p]
+        if k != partner and (m.slope_value[p] >= 0 or k % m.bonds != partner % m.bonds):
+            return False
+    above = False
+    below = False
+    for side in range(2):
+        for n in range((LARGEST - SMALLEST) * PER_DECADE + 1):
+            size = math.pow(10.0, float(SMALLEST) + float(n) / float(PER_DECADE))
+            v[m.bond_slot + partner] = size if side == 0 else -size
+            slope = slope_of(e, mode, d, j, v)
+            if math.isfinite(slope):
+                above = above or slope > 0.0
+                below = below or slope < 0.0
+    return not (above and below) if j >= 0 else not above
+
+
+def slope_of(e: Engine, mode: Mode, d: int, j: int, v: Floats) -> float:
+    """Return the slope of a law by unknown j; if -1, by what it reads, below zero if it resists."""
+    m = e.model
+    total = 0.0
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        law = m.slope_value[p]
+        k = m.slope_column[p]
+        if j < 0 and k != m.dynamic_partner[d]:
+            continue
+        slope = m.slope_constant[p] if law < 0 else value(m, law, v)
+        share = m.dynamic_way[d] if j < 0 else mode.finite_free.at[k * mode.finite_frees + j]
+        total += slope * share if share != 0.0 else 0.0
+    return total
