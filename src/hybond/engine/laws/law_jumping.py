@@ -8,6 +8,7 @@ from typing import Final
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.complementarity.law_roles import ONE_SIDED, TWO_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.laws.jumped_onto import find_jumped_onto
 from hybond.engine.laws.law_answers import LAW_DUST, put_mode, slide
 from hybond.engine.laws.law_branches import (
     TRIES,
@@ -103,6 +104,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     reach_gaps(e, r)
     if r.at_once:
         close_gaps(m, r)
+    find_jumped_onto(m, r)
     wrong = False
     doubtful = False
     who = 0
@@ -123,7 +125,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         # what other laws give is part of it
         if m.port_restitution[k] != NO_LAW_VALUE and common and stored:
             own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
-            r.rebound[k] = own
+            r.rebound[k] = own if r.pressed[k] == 0 else 0.0
             if r.able[k] != 0 and r.y[k] < 0.0 and hold_restitution(e, k, own, r.t) != OK:
                 return -1
         # what rebounds enters one after another; what does not stays together, as in one problem
