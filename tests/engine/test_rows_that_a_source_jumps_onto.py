@@ -63,7 +63,11 @@ def test_a_speed_that_another_motion_makes_jump_is_one_as_well(many: int) -> Non
     m = row(many, "if slow.f > 0.5 [m/s] then 2 [m/s] else 0 [m/s]")
     m.add(push=hb.Se("1 N"), slow=hb.I("1 kg"), u=hb.One())
     m.bond("push -> u -> slow")
+    # what lies there is pressed: where nothing is, a touch says nothing to the motion
+    m.add(**{f"w{i}": hb.Se("-1 N") for i in range(many)})
+    m.bond(*[f"w{i} -> v{i}" for i in range(many)])
     run = hb.simulate(m, "1 s")
+    assert [e.cause for e in run.events] == ["start", "law"]
     assert run.status == "ok" and run.audit().holds()
     for i in range(many):
         assert run[f"v{i}.f"].at(1.0) == pytest.approx(2.0, abs=1e-12)
