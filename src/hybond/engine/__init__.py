@@ -149,6 +149,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         gaps, gaps_held, gaps_left    whether the gap of a contact is the distance that its bonds
                             close, and goes on to be; whether it jumps away from it
         strike              impacts by a law that sees all closed contacts at once
+        jumped_onto         contacts that a source has jumped onto, at which nothing arrived
         impacts_held        the law of impacts put back into itself
         branches            branches in each of the modes around a surface
     guards/

@@ -57,6 +57,9 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
         for b in range(2 * m.bonds):
             c.prior[b] = e.pre[m.bond_slot + b]
         times_partner(m, r.now, c.prior, c.before)
+    for k in range(m.ports):
+        if not by_branches and m.impact == NEWTON_SIMULTANEOUS and r.pressed[k] != 0:
+            c.before[k] = 0.0
     if not show_speeds(e, r, r.landed, c.after):
         return
     fastest = 0.0

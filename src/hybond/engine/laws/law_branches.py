@@ -151,10 +151,13 @@ def lasting_role(m: Model, r: Laws, k: int) -> int:
     # a contact that still approaches is for the next jump; where its motion follows from what other
     # laws give, whether it approaches is what is asked, and where its effort is stored none strikes
     strikes = m.port_restitution[k] != NO_LAW_VALUE or r.goes_apart[k] != 0
-    rebounds = r.now.given[k] == COMMON and strikes
+    rebounds = (r.now.given[k] == COMMON or r.goes_apart[k] != 0) and strikes
     comes = rebounds and r.y[k] < 0.0 and is_stored(m, r, k)
-    r.comes[m.port_machine[k]] = 1 if comes else 0
-    return ONE_SIDED if r.able[k] != 0 and not comes else passive_role(r.now, k)
+    carries_nothing = 1 if r.now.given[k] == COMMON else 2
+    r.comes[m.port_machine[k]] = carries_nothing if comes else 0
+    if comes:
+        return CUT
+    return ONE_SIDED if r.able[k] != 0 else passive_role(r.now, k)
 
 
 def hold_disks(e: Engine, r: Laws) -> None:
@@ -198,7 +201,7 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
         hold_disks(e, r)
         for k in range(n):
             # what is stored keeps these apart, however fast that may change
-            r.apart[k] = 0
+            r.apart[k] = 1 if r.role[k] == CUT and r.now.given[k] == NET else 0
             if r.role[k] == ONE_SIDED and r.y[k] > 0.0 and is_stored(m, r, k):
                 r.apart[k] = 1
                 r.role[k] = CUT

@@ -6,8 +6,9 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.svd import least_squares
-from hybond.engine.complementarity.law_roles import ONE_SIDED, TWO_SIDED
+from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, TWO_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.laws.jumped_onto import find_jumped_onto
 from hybond.engine.laws.law_answers import LAW_DUST, put_mode, slide
 from hybond.engine.laws.law_branches import (
     TRIES,
@@ -103,6 +104,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     reach_gaps(e, r)
     if r.at_once:
         close_gaps(m, r)
+    find_jumped_onto(m, r)
     wrong = False
     doubtful = False
     who = 0
@@ -123,7 +125,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         # what other laws give is part of it
         if m.port_restitution[k] != NO_LAW_VALUE and common and stored:
             own = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
-            r.rebound[k] = own
+            r.rebound[k] = own if r.pressed[k] == 0 else 0.0
             if r.able[k] != 0 and r.y[k] < 0.0 and hold_restitution(e, k, own, r.t) != OK:
                 return -1
         # what rebounds enters one after another; what does not stays together, as in one problem
@@ -167,6 +169,9 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
             if not wrong and not moves_stored(e, r, factor * h):
                 note_edges(m, r)
                 return 0
+            for k in range(n):
+                if r.goes_apart[k] != 0 and r.now.given[k] == NET:
+                    r.answer[k] = 1
             find_shares(e, r, r.y, factor * h, True)
             put_mode(m, r, r.branch, False, True)
             return 1
@@ -180,9 +185,10 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
 
 
 def leave_parting(m: Model, r: Laws) -> None:
-    """Leave contacts that go apart out of an impact that rebounds: they may be struck after it.
+    """Leave what goes apart out of an impact that rebounds: it may be struck after it.
 
-    Held together with it they would make energy, ``P (w + w+) / 2``.
+    Held together with it, a contact, a one-way clutch or a diode would make energy,
+    ``P (w + w+) / 2``.
     """
     rebounds = False
     for k in range(m.ports):
@@ -190,8 +196,10 @@ def leave_parting(m: Model, r: Laws) -> None:
         rebounds = rebounds or r.rebound[k] < 0.0
     for k in range(m.ports if rebounds else 0):
         contact = m.port_gap[k] != NO_LAW_VALUE or m.port_restitution[k] != NO_LAW_VALUE
-        if contact and r.role[k] == ONE_SIDED and r.y[k] > 0.0 and r.now.given[k] == COMMON:
-            r.role[k] = passive_role(r.now, k)
+        parts = (contact and r.now.given[k] == COMMON) or is_stored(m, r, k)
+        if r.role[k] == ONE_SIDED and r.y[k] > 0.0 and parts:
+            # whichever of its variables is the common one, it carries nothing
+            r.role[k] = CUT
             r.goes_apart[k] = 1
 
 

@@ -274,7 +274,8 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
 
 def strikes_next(e: Engine, r: Laws, k: int) -> bool:
     """Whether what machine k is the law of still approaches, to strike in the next jump."""
-    comes = r.comes[k] != 0 and e.trial.state[k] == 0
+    # it carries nothing: OFF, or ON where it is the common variable that approaches zero
+    comes = r.comes[k] == e.trial.state[k] + 1
     return comes and not r.unanswered and not r.leaps
 
 

@@ -141,6 +141,9 @@ class Laws:
     kept_state: Floats
     goes_apart: Ints
     """Contacts that were left out of an impact that rebounds, as they go apart."""
+    pressed: Ints
+    """Contacts that a source has jumped onto, and those in a row with them."""
+    in_row: Ints
     gap_now: Floats
     reach: Floats
     """Gaps that are closed within the instant at `reach_t`."""
@@ -330,6 +333,8 @@ def make_laws(m: Model) -> Laws:
     r.able = ints(n)
     r.kept_state = floats(m.storages + m.integrals)
     r.goes_apart = ints(n)
+    r.pressed = ints(n)
+    r.in_row = ints(n)
     r.gap_now = floats(n)
     r.reach = floats(n)
     r.reach_t = math.nan

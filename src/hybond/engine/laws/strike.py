@@ -16,9 +16,11 @@ from hybond.engine.impacts.impact_records import (
     CREATES_ENERGY,
     DEPENDS,
     EXCHANGED,
+    NEWTON_SIMULTANEOUS,
     Impact,
 )
 from hybond.engine.jumps.jump import JUMPS
+from hybond.engine.laws.jumped_onto import find_jumped_onto
 from hybond.engine.laws.law_instant import (
     CLOSED,
     NO_LAW_VALUE,
@@ -68,6 +70,7 @@ def strike_at_once(e: Engine, r: Laws, x: Floats) -> int:
     if not some:
         return NOTHING_STRIKES
     i = r.impact
+    find_jumped_onto(m, r)
     take_contacts(m, r, i)
     for at in range(i.n):
         if i.v[at] < 0.0 and hold_restitution(e, r.tried[at], i.eps[at], r.t) != OK:
@@ -112,7 +115,9 @@ def take_contacts(m: Model, r: Laws, i: Impact) -> None:
         r.tried[at] = k
         i.v[at] = r.y[k]
         i.eps[at] = 0.0
-        if m.port_restitution[k] != NO_LAW_VALUE:
+        # Newton's law reads the approach before the instant, others what there is to compress
+        reads = m.impact != NEWTON_SIMULTANEOUS or r.pressed[k] == 0
+        if reads and m.port_restitution[k] != NO_LAW_VALUE:
             i.eps[at] = quantity(m, m.port_restitution, m.port_restitution_constant, k, r.v)
         i.stiffness[at] = 1.0
         if m.port_stiffness[k] != NO_LAW_VALUE:

@@ -18,7 +18,7 @@ from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import clear
 from hybond.engine.methods.tolerances.moment_later import come_back, look_later
 from hybond.engine.mode.digits.sizes import measure
-from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.mode.solving import solve
 from hybond.engine.surfaces.values import field, set_state
@@ -78,6 +78,9 @@ def measure_rates(e: Engine, mode: Mode, t: float) -> None:
         if not math.isfinite(size) or not math.isfinite(rate):
             continue
         e.least_signal[k] = max(e.least_signal[k], EPSILON * math.fabs(t) * rate)
+        if is_constrained(mode) and rate <= UNITS * size:
+            # constraints hold what it would measure: stages are off them by the error of the step
+            e.rate_rounding[k] = max(e.rate_rounding[k], m.rtol * size)
         if UNITS * size > MATTERS * m.rtol * rate:
             e.rate_rounding[k] = max(e.rate_rounding[k], UNITS * size)
 
