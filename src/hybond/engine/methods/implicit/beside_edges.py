@@ -28,6 +28,7 @@ from hybond.engine.methods.implicit.radau_stages import (
     NO_MATRIX,
     STAGES_BEYOND,
     STAGES_CONVERGED,
+    STAGES_FAILED,
     iterate_stages,
     rate_at,
     stage_rates,
@@ -100,6 +101,22 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
         # as if nothing had been tried
         r.served = 0.0
     return STAGES_BEYOND if swings else found
+
+
+def iterate_on_steep_law(e: Engine, r: Radau, rtol: float, found: int, fresh: bool) -> int:
+    """Find stages by slopes of their own where a flow follows others along a law that is steep.
+
+    What drives the flow through ``k*f*abs(f)`` may be less than what states may be off by. One
+    matrix throws it to and fro then, or to where no step after it comes back from at once.
+    """
+    swings = found == STAGES_CONVERGED and r.swings
+    if not swings and (found != STAGES_FAILED or not fresh or r.nearer == 1.0):
+        return found
+    if own_stages(e, r, rtol, STALLS) and factorise(r) != SINGULAR:
+        return STAGES_CONVERGED
+    r.matrix = NO_MATRIX
+    # nothing better is found; the factors are still those of before
+    return iterate_stages(e, r, rtol) if swings else found
 
 
 def rises(e: Engine, r: Radau) -> bool:

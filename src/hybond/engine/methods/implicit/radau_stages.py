@@ -270,8 +270,10 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             if swing_within(r, other):
                 return STAGES_CONVERGED
             if found_all and not r.rate < STILL_SWINGS:
-                # what is left of rates is rounding
-                return STAGES_CONVERGED
+                if e.model.begins == 0 or open_rates <= 1.0:
+                    # what is left of rates is rounding
+                    return STAGES_CONVERGED
+                found_all = False
             if not r.rate < 1.0:
                 return STAGES_FAILED
             r.now_left = r.rate / (1.0 - r.rate)

@@ -42,7 +42,7 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
     for i in range(n):
         r.rate_may[i] = math.inf
         r.bent[i] = 0.0
-    if m.edges > 0 or m.begins > 0 or m.bends > 0.0 or e.slide.k > 0:
+    if m.edges > 0 or m.bends > 0.0 or e.slide.k > 0:
         return
     for i in range(m.storages):
         if not r.tolerance[i] > 0.0:
