@@ -158,11 +158,11 @@ def is_off_edge(e: Engine, t: float, y: Floats) -> bool:
     return off
 
 
-def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
+def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float, most: int) -> bool:
     """Find the stages of a step, and a Jacobian at its end; False where there are none.
 
-    No part of a correction that is less than `least` is taken for progress. What was tried beyond
-    an edge on the way refuses no step that is found.
+    None are after so many corrections at the `most`, and no part of one that is less than `least`
+    is taken for progress. What was tried beyond an edge on the way refuses no step that is found.
     """
     n = r.n
     refusal = e.refusal
@@ -177,7 +177,7 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     stalled = 0
     before = 1.0
     rates_before = math.inf
-    for _ in range(CORRECTIONS):
+    for _ in range(most):
         put_whole(e, r, rtol)
         if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
             return False

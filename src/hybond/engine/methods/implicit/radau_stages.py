@@ -273,6 +273,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
                 if e.model.begins == 0 or open_rates <= 1.0:
                     # what is left of rates is rounding
                     return STAGES_CONVERGED
+                # one matrix leads them to and fro along a steep law
                 found_all = False
             if not r.rate < 1.0:
                 return STAGES_FAILED
