@@ -227,7 +227,7 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     place_stages(r)
     other = False
     found_all = False
-    shown = shows_alone(e, n)
+    shown = e.model.begins > 0 and shows_alone(e, n)
     resting = n + 1
     count = 0
     while count < ITERATIONS:
