@@ -442,3 +442,17 @@ def test_what_stores_nothing_has_gradients() -> None:
     work = hb.gradient(stateless("diode"), hb.Total("R.f^2"), "45 ms", wrt=["r"])
     assert (flow.value, flow["r"]) == pytest.approx((0.5, -0.25), rel=1e-9)
     assert (work.value, work["r"]) == pytest.approx((0.003125, -0.003125), rel=1e-9)
+
+
+@pytest.mark.parametrize(("guess", "laps"), [(6.5, 1), (13.0, 2)])
+def test_a_guess_of_several_periods_is_told_that_the_motion_repeats_sooner(
+    guess: float, laps: int
+) -> None:
+    """Van der Pol's period is 6.66328685932 (Urabe 1960); with a guess of 13 it was twice that."""
+    m = hb.Model("valve")
+    m.add(L=hb.I(1.0, f=2.0), C=hb.C(1.0), j=hb.One(), R=hb.R({"e": "f^3/3 - f"}))
+    m.bond("C -> j" if laps == 2 else "j -> C", "j -> L", "j -> R")
+    orbit = hb.periodic(m, guess)
+    assert orbit.period == pytest.approx(laps * 6.66328685932, rel=1e-8)
+    said = [note for note in orbit.notes if "already" in note]
+    assert said == (["it repeats after 6.66328686 s already"] if laps > 1 else [])

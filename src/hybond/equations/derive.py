@@ -10,6 +10,7 @@ from hybond.equations.booleans import Naming
 from hybond.equations.element_parts import parameter_values
 from hybond.equations.element_rows import laws_of
 from hybond.equations.mixed import MixedRow, cleared, closing_row, mixed_row
+from hybond.equations.points import caller, point
 from hybond.equations.regions import Region, regions_of
 from hybond.equations.ring import Numbers, Ring, Row, Symbols, substituted
 from hybond.equations.state_form import StateEquations
@@ -76,8 +77,8 @@ def state_equations(
     """
     graph = graph_of(model)
     graph_values = parameter_values(graph) if symbolic else {}
-    known = {**graph_values, **(values or {})}
-    ring: Ring[Any] = Symbols(known) if symbolic else Numbers(known)
+    known = {**graph_values, **point(graph, values)}
+    ring: Ring[Any] = Symbols(known) if symbolic else Numbers(known, caller(graph))
     start = graph.mode_of({} if reference is None else reference)
     if reference is None and graph.machines:
         from hybond.causality.reference import reference_mode

@@ -27,6 +27,7 @@ from hybond.equations.element_parts import parameter_values
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.mixed import MixedRow, closing_row, mixed_row
 from hybond.equations.patterns import Space
+from hybond.equations.points import caller
 from hybond.equations.regions import Region, regions_of
 from hybond.equations.ring import Numbers, Ring, Symbols
 from hybond.equations.switch_form import SwitchForm, switch_form
@@ -284,7 +285,7 @@ def junction_matrix(
     graph = graph_of(model)
     best = reference_mode(graph, mode=None if reference is None else graph.mode_of(reference))
     values = parameter_values(graph) if symbolic else {}
-    ring: Ring[Any] = Symbols(values) if symbolic else Numbers(values)
+    ring: Ring[Any] = Symbols(values) if symbolic else Numbers(values, caller(graph))
     form = switch_form(graph, ring, best.mode, symbolic=symbolic, imposes=best.causality.resistors)
     regions = regions_of(form)
     region_at = {v: r for r in regions if not r.why_kept for v in r.variables}

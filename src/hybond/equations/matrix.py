@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hybond.equations.booleans import Cube
 from hybond.equations.display import Display
 from hybond.equations.patterns import Space
+from hybond.equations.points import point
 from hybond.equations.symbolic.rational import Rational
 from hybond.errors import EquationError
 from hybond.model.graph import AnyMode, Mode
@@ -142,7 +143,7 @@ class BooleanMatrix:
         return found
 
     def _known(self, values: Mapping[str, float] | None) -> Mapping[str, float]:
-        return {**self.values, **values} if values else self.values
+        return {**self.values, **point(self.display.graph, values)} if values else self.values
 
     # -- writing
 

@@ -7,7 +7,7 @@ symbolic equations of one that a person reads, by the same steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol, TypeVar
 
 from hybond.equations.symbolic.rational import Rational
@@ -15,6 +15,7 @@ from hybond.equations.symbolic.read import Atoms
 from hybond.errors import EquationError, NumericsError
 from hybond.model.expressions import (
     Expr,
+    Name,
     Number,
     compile_expression,
     names,
@@ -80,12 +81,15 @@ class Numbers:
     ----------
     values : mapping
         Of every name that a coefficient reads: parameters, and the state if it modulates.
+    called : function
+        What the model calls such a name.
     """
 
     one = 1.0
 
-    def __init__(self, values: Mapping[str, float]) -> None:
+    def __init__(self, values: Mapping[str, float], called: Callable[[str], str] = str) -> None:
         self.values = values
+        self.called = called
         self.vanished: set[str] = set()
 
     def of(self, number: float) -> float:
@@ -105,11 +109,12 @@ class Numbers:
         known = {n: Number(self.values[n]) for n in sorted(names(e)) if n in self.values}
         value = simplify(substitute(e, known))
         if not isinstance(value, Number):
-            missing = ", ".join(sorted(names(value)))
+            missing = ", ".join(sorted(self.called(n) for n in names(value)))
             if not missing:  # a choice by a comparison whose value is known
                 return float(compile_expression(value, {}, pre_offset=0)([]))
+            shown = substitute(e, {n: Name(self.called(n)) for n in names(e)})
             raise NumericsError(
-                f"the coefficient {e} needs a value of {missing}",
+                f"the coefficient {shown} needs a value of {missing}",
                 code="HB-Q101",
                 where="the equations",
                 hint="give the point at which the equations are wanted, or ask for symbols",

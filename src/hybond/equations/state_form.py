@@ -25,6 +25,7 @@ from hybond.equations.element_rows import Column, laws_of
 from hybond.equations.matrix import BooleanMatrix
 from hybond.equations.mixed import MixedRow, mixed_row
 from hybond.equations.patterns import Space
+from hybond.equations.points import point
 from hybond.equations.regions import Region
 from hybond.equations.ring import Numbers, Ring, Row, Symbols
 from hybond.equations.storage import stored_names
@@ -300,8 +301,8 @@ class StateEquations(Generic[T]):
         mode : tuple of int, or mapping
             The state of each machine, or ``{machine: state}``.
         values : mapping, optional
-            Values of names in coefficients (``p:m``, or the state where it modulates), over
-            those of the model.
+            Values of names in coefficients (a parameter ``m``, or a state ``w`` that modulates),
+            over those of the model.
 
         Returns
         -------
@@ -321,7 +322,7 @@ class StateEquations(Generic[T]):
         B = np.zeros((count, len(self.sources)))
         q = len(self.outputs)
         C, F, D = np.zeros((q, size)), np.zeros((q, size)), np.zeros((q, len(self.sources)))
-        value = _evaluator(self.ring, values)
+        value = _evaluator(self.ring, point(self.graph, values), self.display)
         for rows, rate, state, source, sign in (
             (self.rows, E, A, B, -1.0),
             (self.outputs, F, C, D, 1.0),
@@ -434,10 +435,10 @@ def output_name(node: Node, port: int) -> str:
     return f"{node.path}.{port + 1}.{variable}" if len(node.ends) > 1 else f"{node.path}.{variable}"
 
 
-def _evaluator(ring: Ring[Any], values: Mapping[str, float] | None) -> Any:
+def _evaluator(ring: Ring[Any], values: Mapping[str, float], show: Display) -> Any:
     if isinstance(ring, Numbers):
         return float
-    gone = sorted(ring.vanished & set(values or {}))
+    gone = sorted(ring.vanished & set(values))
     if gone:
         raise EquationError(
             f"{', '.join(name.removeprefix('p:') for name in gone)} is zero in the model, so the "
@@ -446,7 +447,7 @@ def _evaluator(ring: Ring[Any], values: Mapping[str, float] | None) -> Any:
             where="the equations",
             hint="derive them anew from the model with the other value",
         )
-    known = ring.known(values or {})
+    known = ring.known(values)
 
     def value(c: Any) -> float:
         try:
@@ -460,7 +461,7 @@ def _evaluator(ring: Ring[Any], values: Mapping[str, float] | None) -> Any:
             ) from None
         except KeyError as missing:
             raise NumericsError(
-                f"a coefficient reads {missing.args[0]}, which has no value here",
+                f"a coefficient reads {show.name(missing.args[0])}, which has no value here",
                 code="HB-Q101",
                 where="the equations",
                 hint="give values={...} at the point of interest",

@@ -41,6 +41,8 @@ TOL = 1e-9
 MOST = 60
 SETTLE = 2
 """Periods that are run before the first step, where something drives the motion."""
+MOST_LAPS = 12
+"""So many laps of a motion of its own period are told of, if all of them were taken for one."""
 
 
 @called('hb.periodic(model, period="20 us")', options=MethodOptions)
@@ -282,7 +284,7 @@ def orbit_of(shots: Shots, period: Period, found: Found) -> PeriodicOrbit:
     block = shot.M[np.ix_(kept, kept)]
     made = shots.multipliers(shot, found.sizes, kept, own=period.own, conserved=len(found.free))
     by, period_by = _moved(shots, period, found)
-    if not period.own and period.multiple > 1:
+    if period.own or period.multiple > 1:
         notes += _shorter(shots, period, found)
     first = shots.first(shot.T)
     if shots.t0 > first:
@@ -343,8 +345,9 @@ def _newton_system(shots: Shots, period: Period, found: Found) -> tuple[Vector, 
 def _shorter(shots: Shots, period: Period, found: Found) -> list[str]:
     """Return what is to be said of a motion that repeats sooner than it was asked to."""
     shot = found.shot
-    for parts in range(period.multiple, 1, -1):
-        if period.multiple % parts:
+    most = MOST_LAPS if period.own else period.multiple
+    for parts in range(most, 1, -1):
+        if not period.own and period.multiple % parts:
             continue
         state = shot.run.state(shots.t0 + shot.T / parts)
         x = np.array([*state.stored.values(), *state.signals.values()])
