@@ -150,26 +150,21 @@ def count_apart(e: Engine, r: Radau) -> None:
     beyond it. Of a step that was repeated in pieces, the last one is looked at.
     """
     s = e.step
+    n = e.states
+    c = r.coefficients
     end_levels(e)
     s.defect = 0.0
     s.apart = 0.0
     for k in range(e.model.storages):
-        apart_at_end(e, k, moved_at_end(e, r, k))
+        moved = c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k]
+        if s.left_edge:
+            # there the curve between the ends is led without a turn: stages say how it ends
+            moved = 0.0
+            for j in range(3):
+                moved += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
+        apart_at_end(e, k, moved)
     if e.model.tells != 0 and r.swings and not e.warned.swings and not swings_about_jump(e, r):
-        warn_of_swings(e, r)
-
-
-def moved_at_end(e: Engine, r: Radau, k: int) -> float:
-    """Return how the curve of the last piece moves state k at its end, in units of that piece."""
-    n = e.states
-    c = r.coefficients
-    if not e.step.left_edge:
-        return c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k]
-    # there the curve between the ends is led without a turn: stages say how it ends
-    moved = 0.0
-    for j in range(3):
-        moved += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
-    return moved
+        warn_of_swings(e)
 
 
 def swings_about_jump(e: Engine, r: Radau) -> bool:
@@ -185,11 +180,10 @@ def swings_about_jump(e: Engine, r: Radau) -> bool:
     return found or jump_lies_between(e, r.t1, r.y0, r.end)
 
 
-def warn_of_swings(e: Engine, r: Radau) -> None:
+def warn_of_swings(e: Engine) -> None:
     """Say once that the rates at the end of steps are off, where these swing within the tolerance.
 
-    By how much the last one leads elsewhere than what it is said to end with. A motion that speeds
-    up does so, too, but then the curve through the stages ends with that rate.
+    By how much the last one leads elsewhere than what it is said to end with.
     """
     m = e.model
     s = e.step
@@ -198,7 +192,6 @@ def warn_of_swings(e: Engine, r: Radau) -> None:
     for k in range(m.storages):
         size = e.checks.largest[m.bond_class[m.storage_bond[k] + rate_kind(m, k)]]
         off = math.fabs(s.f[k] - (s.y1[k] - s.y0[k]) / (s.t1 - s.t0))
-        off = min(off, math.fabs(s.f[k] - moved_at_end(e, r, k) / (r.t1 - r.t0)))
         if off > most * size and size > 0.0:
             most = off / size
             which = k
