@@ -36,6 +36,8 @@ NOT_FINITE: Final = 2
 NO_MODE: Final = -1
 BUCKETS: Final = 127
 """Of configurations, to find the modes that are kept."""
+NOT_ASKED: Final = 2
+"""No sign of a slope is known yet."""
 LOOKED_ON: Final = 20_000
 """Work after which whoever is outside may look on: milliseconds in C, a fifth of a second as
 Python."""
@@ -181,6 +183,8 @@ class Engine:
     """What each storage held that its rounding is still measured by; see `mode/digits/fading`."""
     remembered_before: Floats
     """The same where the last step began."""
+    slope_known: Ints
+    """Of each slope of laws: the sign that it was found to keep, see `mode/nonlinear/one_root`."""
     root_known: float
     """Whether a solution of laws with several is handed on: 1, else 0; ..."""
     root_given: bool
@@ -337,6 +341,9 @@ def make_engine(m: Model) -> Engine:
     e.pushed_energy = floats(m.storages + 1)
     e.remembered = floats(m.storages)
     e.remembered_before = floats(m.storages)
+    e.slope_known = ints(m.slope_first[m.dynamics] + 1)
+    for p in range(m.slope_first[m.dynamics]):
+        e.slope_known[p] = NOT_ASKED
     e.root_known = 0.0
     e.root_given = False
     e.root_now = floats(2 * m.bonds)

@@ -140,7 +140,7 @@ class Model:
     slope_constant: Floats
     slope_flat: Ints  # of a law that gives one variable of a bond: whether it is zero on a stretch
     flats: int  # how many are
-    turns: int  # how many slopes have no sign that is told
+    curved: int  # how many laws have slopes that read bond variables
     slope_sign: Ints  # that a slope has whatever its law reads, 1 or -1; 0 if none is told
     slope_isolated: Ints  # by the one variable that it reads: whether one is zero at points alone
     frozen_first: Ints

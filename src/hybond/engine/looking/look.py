@@ -23,7 +23,6 @@ from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.nonlinear.agreement import check_agreement
 from hybond.engine.mode.nonlinear.branch import forget_points, take_points
-from hybond.engine.mode.nonlinear.several import may_have_several
 from hybond.engine.model import Model
 from hybond.engine.surfaces.averages import solve_here
 from hybond.engine.surfaces.branch_table import add_branches
@@ -175,7 +174,7 @@ def look_into(
 
 def look_from(e: Engine, many: int, wide: int, when: Floats, given: Floats) -> None:
     """Follow the solution that the motion had of laws with several, at so many points."""
-    if wide == 2 * e.model.bonds and e.slide.k == 0 and may_have_several(e, e.mode):
+    if wide == 2 * e.model.bonds and e.slide.k == 0:
         take_points(e, e.mode, many, when, given)
 
 

@@ -247,6 +247,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.guessed = False
     mode.branch.several = UNKNOWN
     mode.branch.known = False
+    mode.branch.basis += 1
     mode.looks = 0
     fit(mode.guess, mode.finite_frees + 1)
     mode.ways.known = False

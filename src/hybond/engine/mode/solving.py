@@ -71,7 +71,7 @@ def by_newton(e: Engine, mode: Mode, v: Floats) -> int:
     count_work(e, 2 * e.model.bonds + mode.knowns)
     if mode.branch.known and mode.guessed:
         begin_on_branch(e, mode, v[0])
-    elif e.root_given and not mode.guessed:
+    elif not mode.guessed and (e.root_given or e.root_known != 0.0):
         begin_at_root(mode, e.root_now)
     knowns_of(e, mode, v, True)
     if newton_with_digits(e, mode, v) != OK:

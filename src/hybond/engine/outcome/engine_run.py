@@ -6,6 +6,7 @@ import math
 import signal
 import threading
 import time
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from types import FrameType
@@ -225,6 +226,9 @@ class EngineRun:
         for record in (self.trace.events, self.trace.segments):
             if len(record) > 2 * self.keep:
                 record.forget(len(record) - self.keep)
+        roots = self.trace.roots
+        if roots and self.trace.segments:
+            del roots[: bisect_right(roots, self.trace.segments.times[0], key=lambda r: r[0]) - 1]
 
     def _next(self) -> int:
         """Return how long the next slice is: a run ends at its limit, however long slices take."""

@@ -69,8 +69,9 @@ def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) 
 def _root(trace: Trace, t: float) -> list[float]:
     """Return the solution of laws with several that was followed, as a run is handed it."""
     k = bisect.bisect_right(trace.roots, t, key=lambda root: root[0])
-    if k == 0:
-        return []
+    motion = bisect.bisect_right(trace.segments.times, t) - 1
+    if k == 0 or motion < 0 or trace.roots[k - 1][0] < trace.segments.times[motion]:
+        return []  # the motion there follows none
     at, root = trace.roots[k - 1]
     if k < len(trace.roots) and at < t:
         behind, there = trace.roots[k]

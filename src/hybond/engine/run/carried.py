@@ -116,7 +116,7 @@ def carry_state(e: Engine, c: Carrier) -> None:
     s = e.slide
     e.t = carry_number(c, e.t)
     carry_floats(c, e.states, e.y)
-    if e.model.turns > 0:
+    if e.model.curved > 0:
         # what no storage feels is known only from where it was
         e.root_known = carry_number(c, e.root_known)
         carry_floats(c, 2 * e.model.bonds, e.root_now)

@@ -30,6 +30,7 @@ from hybond.engine.mode.nonlinear.branch import (
     take_signs,
     take_unknowns,
 )
+from hybond.engine.mode.nonlinear.newton import keep_guess
 from hybond.engine.mode.nonlinear.newton_system import largest_of
 from hybond.engine.mode.nonlinear.several import may_have_several
 from hybond.engine.mode.rows.storage_bonds import rate_bond
@@ -39,6 +40,8 @@ from hybond.engine.reasons.warned import ROOT, add_about, begin_warning
 from hybond.engine.surfaces.values import set_motion
 from hybond.engine.words import Floats
 
+AGAIN: Final = 8
+"""Times in a step that rows may be eliminated anew, which parts are begun again for."""
 STRAIGHT: Final = 0.25
 """The part of Newton's first step by which all others together may lead elsewhere."""
 STILL: Final = 1e-7
@@ -67,13 +70,17 @@ def begin_to_follow(e: Engine, again: bool) -> None:
     """
     mode = e.mode
     b = mode.branch
-    if e.root_given:
-        begin_at_root(mode, e.root_before if again else e.root_now)
+    if e.root_given or e.root_known != 0.0:
+        # what another run hands on, or what was followed before an event
+        begin_at_root(mode, e.root_before if again and e.root_given else e.root_now)
     e.root_given = False
     e.root_known = 0.0
     # what a run moves by that is unsound already is nothing to follow
-    if e.slide.k > 0 or e.checks.violated > 0 or not may_have_several(e, mode):
-        b.known = False
+    b.known = False
+    if e.slide.k > 0 or e.checks.violated > 0:
+        return
+    set_motion(e, e.v, e.t, e.y)
+    if not may_have_several(e, mode):
         return
     if b.points > 0 and (e.t < b.when.at[0] or e.t > b.when.at[b.points - 1]):
         forget_points(mode)
@@ -121,16 +128,24 @@ def follow_roots(e: Engine) -> None:
     gone = s.t0
     part = s.t1 - s.t0
     least = LEAST * part
+    again = 0
     while gone < s.t1 and not b.ended:
         t = min(gone + part, s.t1)
-        if goes_straight(e, mode, gone, t) or (t - gone <= 2.0 * least and begins_anew(e, mode, t)):
+        basis = b.basis
+        middle = gone + 0.5 * (t - gone)
+        shortest = t - gone <= 2.0 * least or middle <= gone or middle >= t
+        if goes_straight(e, mode, gone, t) or (shortest and begins_anew(e, mode, t)):
             put_point(e, mode, t)
             gone = t
             part *= 2.0
-        elif part <= least or gone + 0.5 * part <= gone:
+        elif b.basis != basis and again < AGAIN:
+            # rows were eliminated anew: what slopes are by, and the sign of their determinant
+            again += 1
+            begin_signs(e, mode)
+        elif shortest:
             b.ended = True
         else:
-            part *= 0.5
+            part = 0.5 * (t - gone)
     if not b.ended and on_it and came:
         see_what_moved(e, mode)
 
@@ -149,8 +164,9 @@ def begins_anew(e: Engine, mode: Mode, t: float) -> bool:
 
 
 def begin_signs(e: Engine, mode: Mode) -> None:
-    """Take the signs of slopes at the last point, which was just solved for."""
+    """Take the signs of slopes at the last point."""
     b = mode.branch
+    write_at(e, b.when.at[b.points - 1])
     fit(b.sign, groups_of(mode))
     fit(b.now, groups_of(mode))
     for g in range(groups_of(mode)):
@@ -183,6 +199,7 @@ def write_at(e: Engine, t: float) -> None:
 def goes_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
     """Whether the solution goes from the last point to a time as good as straight; it is in `w`."""
     b = mode.branch
+    basis = b.basis
     frees = mode.finite_frees
     fit(b.here, frees)
     fit(b.first, frees)
@@ -200,6 +217,11 @@ def goes_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
     mode.guessed = True
     if not math.isfinite(largest_of(frees, b.first.at)) or not solves_at(e, t1, b.y.at):
         return False
+    if b.basis != basis:
+        return False
+    n = 2 * e.model.bonds
+    fit(b.found, n)
+    copy_part(n, e.work.w, 0, b.found.at, 0)
     for j in range(frees):
         b.there.at[j] = e.work.w[mode.free_column[j]]
     know(e, mode, e.v)
@@ -216,8 +238,10 @@ def goes_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
     for g in range(groups_of(mode)):
         if b.signs_there.at[g] != 0.0:
             b.sign.at[g] = b.signs_there.at[g]
-    # what was found is in `w`, as a solution is
-    return solves_at(e, t1, b.y.at)
+    # what was looked at, and no other
+    copy_part(n, b.found.at, 0, e.work.w, 0)
+    keep_guess(mode, e.work.w)
+    return True
 
 
 def is_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:

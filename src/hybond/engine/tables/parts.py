@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
+from hybond.engine.mode.nonlinear.one_root import HANGS
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.forms import put_forms
 from hybond.engine.tables.guards import magnitude
@@ -237,11 +238,11 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
     ]
     t.ints["slope_sign"] = [
-        one_sign(e)
+        one_sign(e) or (0 if d.partner is not None and names(e) == {d.partner[0]} else HANGS)
         for d in rows
         for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
     ]
-    t.numbers["turns"] = t.ints["slope_sign"].count(0)
+    t.numbers["curved"] = t.ints["dynamic_affine"].count(0)
     t.numbers["flats"] = sum(t.ints["slope_flat"])
     t.ints["slope_isolated"] = [
         int(names(e) == {name} and isolated(e))

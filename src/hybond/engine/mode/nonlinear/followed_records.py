@@ -19,13 +19,14 @@ class Branch:
 
     `several` says whether there may be others. Where `known`, bond variables were ``root`` at the
     times `when`, a row each; between two points the solution is as good as straight. Where `ended`
-    it leads no further than to the last of them.
+    it leads no further than to the last of them. `basis` counts how often rows were eliminated.
     """
 
     several: int
     known: bool
     ended: bool
     points: int
+    basis: int
     when: Block
     root: Block
     sign: Block
@@ -35,7 +36,8 @@ class Branch:
     signs_there: Block
     """... and elsewhere."""
     own: Block
-    """Bond variables as the step has left them; ..."""
+    found: Block
+    """Bond variables as the step has left them, and at the end of a part of it; ..."""
     y: Block
     """... a state within it; ..."""
     here: Block
@@ -45,7 +47,7 @@ class Branch:
     """... unknowns where a part of it begins, after one step of Newton's, at its end, and half
     way; ..."""
     known_here: Block
-    """... and what expressions read where it begins."""
+    """... and what is known where the step begins, where it ends, and at the last point."""
     square: Block
     parts: Block
     part_from: Places
@@ -63,12 +65,14 @@ def make_branch() -> Branch:
     b.known = False
     b.ended = False
     b.points = 0
+    b.basis = 0
     b.when = make_block(1)
     b.root = make_block(1)
     b.sign = make_block(1)
     b.now = make_block(1)
     b.signs_there = make_block(1)
     b.own = make_block(1)
+    b.found = make_block(1)
     b.y = make_block(1)
     b.here = make_block(1)
     b.first = make_block(1)

@@ -17,10 +17,12 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor
 from hybond.engine.answers import value
-from hybond.engine.engine import Engine
+from hybond.engine.engine import NOT_ASKED, Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.words import Floats
 
+HANGS: Final = 2
+"""In the tables: no sign is told of a slope, and it hangs on more than its law's own variable."""
 MOST: Final = 6
 """Laws that hang together of which it is told, ..."""
 PRODUCTS: Final = 1024
@@ -107,14 +109,24 @@ def put_parts(e: Engine, mode: Mode, begin: int, n: int, v: Floats) -> bool:
 def sign_of_slope(e: Engine, d: int, p: int, v: Floats) -> float:
     """Return the sign that a slope of law d keeps whatever is read; 0 if none is known.
 
-    That of a law of one bond is told at numbers of all sizes.
+    That of a law of one bond is told at numbers of all sizes, once where it reads nothing else.
     """
     m = e.model
-    if m.slope_sign[p] != 0:
+    if m.slope_sign[p] == 1 or m.slope_sign[p] == -1:
         return float(m.slope_sign[p])
-    k = m.slope_column[p]
-    if k != m.dynamic_partner[d]:
+    if m.slope_column[p] != m.dynamic_partner[d]:
         return 0.0
+    if m.slope_sign[p] == HANGS:
+        return sign_by_sizes(e, d, p, v)
+    if e.slope_known[p] == NOT_ASKED:
+        e.slope_known[p] = int(sign_by_sizes(e, d, p, v))
+    return float(e.slope_known[p])
+
+
+def sign_by_sizes(e: Engine, d: int, p: int, v: Floats) -> float:
+    """Return the sign that a slope has where what its law reads is a number of any size."""
+    m = e.model
+    k = m.slope_column[p]
     kept = v[m.bond_slot + k]
     above = False
     below = False

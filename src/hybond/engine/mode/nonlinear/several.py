@@ -24,6 +24,7 @@ from hybond.engine.mode.nonlinear.one_root import (
     PER_DECADE,
     SMALLEST,
     has_one_root,
+    sign_of_slope,
 )
 from hybond.engine.words import Floats
 
@@ -89,6 +90,21 @@ def keeps_sign(e: Engine, mode: Mode, i: int, j: int, v: Floats) -> bool:
         k = m.slope_column[p]
         if k != partner and (m.slope_value[p] >= 0 or k % m.bonds != partner % m.bonds):
             return False
+    above = False
+    below = False
+    told = True
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        k = m.slope_column[p]
+        share = m.dynamic_way[d] if j < 0 else mode.finite_free.at[k * mode.finite_frees + j]
+        if share == 0.0 or (j < 0 and k != partner):
+            continue
+        constant = m.slope_value[p] < 0
+        sign = m.slope_constant[p] if constant else sign_of_slope(e, d, p, v)
+        told = told and (constant or sign != 0.0)
+        above = above or sign * share > 0.0
+        below = below or sign * share < 0.0
+    if told and (j < 0 or not (above and below)):
+        return j >= 0 or not above
     above = False
     below = False
     for side in range(2):
