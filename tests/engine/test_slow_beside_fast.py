@@ -42,32 +42,6 @@ def test_between_steps_and_at_all_resistances(r: float) -> None:
         assert run["b.q"].at(t) == pytest.approx(float(b), rel=1e-8)
 
 
-@pytest.mark.parametrize("turned", [False, True])
-@pytest.mark.parametrize("rtol", [1e-6, 1e-8])
-@pytest.mark.parametrize("k", [0.5, 0.99999, 0.999999, 0.9999999])
-def test_well_coupled_coils_see_the_difference_of_their_fluxes(
-    k: float, rtol: float, turned: bool
-) -> None:
-    """The secondary is open: the primary is a coil of 1 mH alone. It was off by 0.4 of its current.
-
-    Rounding of fluxes, which a resistance at the fast rate ``R/(L (1 - k^2))`` makes, is
-    1/(1 - k^2) times as much of the current.
-    """
-    m = hb.Model("coils", domain="electrical")
-    m.add(core=hb.I([[1e-3, k * 1e-3], [k * 1e-3, 1e-3]]), a=hb.One(), b=hb.One(), ra=hb.R(0.1))
-    m.add(s=hb.Se("10*sin(314*time/(1 s))"), d=hb.One(), r=hb.R(100.0))
-    m.bond("s -> a -> ra", *(("core.1 -> a", "d -> b", "core.2 -> b", "d -> r") if turned else
-                             ("a -> core.1", "b -> d", "b -> core.2", "d -> r")))  # fmt: skip
-    m.machine("D", states={"off": [], "on": ["d"]}, start="off", rules=["off -> on when time > 9"])
-    run = hb.simulate(m, 0.02, rtol=rtol)
-    assert run.method.startswith("1 mode propagated exactly")
-    z = 0.1**2 + 0.314**2
-    for t in (5e-3, 8e-3, 13e-3, 20e-3):
-        waves = 0.1 * math.sin(314 * t) - 0.314 * math.cos(314 * t)
-        current = 10.0 / z * (waves + 0.314 * math.exp(-100.0 * t))
-        assert run["a.f"].at(t) == pytest.approx(current, abs=40.0 * rtol)
-
-
 def test_joined_by_a_switch() -> None:
     m, until, ends = switched()
     held(hb.simulate(m, until), until, ends, 1e-14)

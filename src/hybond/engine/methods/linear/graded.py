@@ -71,7 +71,7 @@ def grade(e: Engine, mode: Mode, f: Flow) -> None:
     f.shares = 0
     fit_places(f.standing, e.states)
     fit_places(f.pivoted, e.states)
-    fast = max(fast_from(e.model.rtol / amplified(e), e.span), RANGE * f.norm)
+    fast = max(fast_from(e.model.rtol, e.span), RANGE * f.norm)
     if not f.norm > fast:
         return
     even_unread(f, x.dense.at, e.model.storages, e.states, f.standing)
@@ -95,38 +95,6 @@ def grade(e: Engine, mode: Mode, f: Flow) -> None:
     f.own = f.apart
     f.norm = max(f.norm, put_rows(f.own, n, x.dense.at))
     take_unit(f)
-
-
-def amplified(e: Engine) -> float:
-    """Return how much more rounding of what is stored is of what the ports of a field see of it.
-
-    Well coupled coils see the small difference of their fluxes: 1/(1 - k^2) for two. It is each
-    port's own stiffness by what is left of that once the ports before it follow.
-    """
-    m = e.model
-    a = e.work.a
-    most = 1.0
-    for k in range(m.storages):
-        first = m.stiff_first[k]
-        ports = m.stiff_first[k + 1] - first
-        if ports < 2 or m.stiff_other[first] != k or m.co_energy[k] >= 0:
-            continue
-        fit(a, ports * ports)
-        for i in range(ports):
-            row = m.stiff_first[m.stiff_other[first + i]]
-            for j in range(ports):
-                a.at[i * ports + j] = m.stiff_constant[row + j]
-        for i in range(ports):
-            pivot = a.at[i * ports + i]
-            own = m.stiff_constant[m.stiff_first[m.stiff_other[first + i]] + i]
-            if not pivot > 0.0:
-                break
-            most = max(most, own / pivot)
-            for r in range(i + 1, ports):
-                share = a.at[r * ports + i] / pivot
-                for j in range(i, ports):
-                    a.at[r * ports + j] -= share * a.at[i * ports + j]
-    return most
 
 
 def share_fast(f: Flow, states: int, fast: float) -> bool:
