@@ -7,9 +7,10 @@ for any u. What no range is known of may be any number.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 from hybond.model.expressions import Binary, Call, Expr, If, Neg, Number
+from hybond.model.expressions.slots import Slotted
 
 Range = tuple[float, float]
 
@@ -49,7 +50,7 @@ def _range(e: Expr) -> Range:
     """Return the least and the greatest number that an expression may be, or beyond."""
     match e:
         case Number(value):
-            return (value, value)
+            return _of_number(value)
         case Neg(a):
             low, high = _range(a)
             return (-high, -low)
@@ -70,14 +71,22 @@ def _range(e: Expr) -> Range:
     return ANY
 
 
+def _of_number(value: Any) -> Range:
+    if not isinstance(value, Slotted):
+        return (value, value)
+    # of a parameter the sign alone: it may have any other number
+    if value > 0.0:
+        return (0.0, math.inf)
+    return (-math.inf, 0.0) if value < 0.0 else (0.0, 0.0)
+
+
 def _of_two(op: str, a: Expr, b: Expr) -> Range:
     if op == "^":
-        even = isinstance(b, Number) and b.value % 2.0 == 0.0 and b.value > 0.0
-        if not even:
+        power = b.value if isinstance(b, Number) and isinstance(b.value, int | float) else 1.0
+        if power % 2.0 != 0.0 or not power > 0.0:
             return ANY
         low, high = _range(a)
-        most = max(abs(low), abs(high)) ** b.value if isinstance(b, Number) else math.inf
-        return (0.0, most)
+        return (0.0, max(abs(low), abs(high)) ** power)
     (a0, a1), (b0, b1) = _range(a), _range(b)
     match op:
         case "+":

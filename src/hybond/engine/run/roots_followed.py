@@ -123,7 +123,7 @@ def follow_roots(e: Engine) -> None:
     least = LEAST * part
     while gone < s.t1 and not b.ended:
         t = min(gone + part, s.t1)
-        if goes_straight(e, mode, gone, t) or (t - gone <= 2.0 * least and jumps(e, mode, t)):
+        if goes_straight(e, mode, gone, t) or (t - gone <= 2.0 * least and begins_anew(e, mode, t)):
             put_point(e, mode, t)
             gone = t
             part *= 2.0
@@ -133,6 +133,19 @@ def follow_roots(e: Engine) -> None:
             part *= 0.5
     if not b.ended and on_it and came:
         see_what_moved(e, mode)
+
+
+def begins_anew(e: Engine, mode: Mode, t: float) -> bool:
+    """Whether there is another solution to follow from a time on, by what is known; solved there.
+
+    Where laws were flat they had no solution of their own: an orifice that has just been shut.
+    """
+    if jumps(e, mode, t):
+        return True
+    for g in range(groups_of(mode)):
+        if mode.branch.sign.at[g] == 0.0:
+            return solves_at(e, t, mode.branch.y.at)
+    return False
 
 
 def begin_signs(e: Engine, mode: Mode) -> None:

@@ -17,7 +17,6 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.implicit.from_edges import (
-    CORRECTIONS,
     STALLS,
     leaves_edge,
     put_left,
@@ -29,34 +28,31 @@ from hybond.engine.methods.implicit.radau_stages import (
     NO_MATRIX,
     STAGES_BEYOND,
     STAGES_CONVERGED,
-    STAGES_FAILED,
     iterate_stages,
     rate_at,
     stage_rates,
 )
 from hybond.engine.surfaces.values import evaluate
 
-SOON: Final = 24
-"""Corrections after which stages along a steep law are left as one matrix has them."""
 LESSENS: Final = 0.5
 """Part of what was left of the equations that a correction may leave of them."""
 
 
 def begins_at_edge(e: Engine, r: Radau, rtol: float) -> bool:
     """Whether the step that is tried leaves an edge; its stages are found then."""
-    if not (leaves_edge(e, r.t0, r.y0, r.f0, r.h) and own_stages(e, r, rtol, 0.0, CORRECTIONS)):
+    if not (leaves_edge(e, r.t0, r.y0, r.f0, r.h) and own_stages(e, r, rtol, 0.0)):
         return False
     e.step.left_edge = True
     e.step.calm = 0
     return True
 
 
-def own_stages(e: Engine, r: Radau, rtol: float, least: float, most: int) -> bool:
+def own_stages(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     """Find the stages by slopes of their own; where there are none, those serve no step after this.
 
     They are of places that were tried: at an edge without bound.
     """
-    if stages_from_edge(e, r, rtol, least, most):
+    if stages_from_edge(e, r, rtol, least):
         return True
     for i in range(r.n):
         r.made_for[i] = 0.0
@@ -89,7 +85,7 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
     if (found != STAGES_BEYOND or s.on_edge) and not (stuck or s.left_edge):
         return found
     left = s.left_edge
-    led = own_stages(e, r, rtol, 0.0 if left else STALLS, CORRECTIONS)
+    led = own_stages(e, r, rtol, 0.0 if left else STALLS)
     served = led and factorise(r) != SINGULAR
     if served and (left or rises(e, r)):
         s.left_edge = True
@@ -104,22 +100,6 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
         # as if nothing had been tried
         r.served = 0.0
     return STAGES_BEYOND if swings else found
-
-
-def iterate_on_steep_law(e: Engine, r: Radau, rtol: float, found: int, fresh: bool) -> int:
-    """Find stages by slopes of their own where a flow follows others along a law that is steep.
-
-    What drives the flow through ``k*f*abs(f)`` may be less than what states may be off by. One
-    matrix throws it to and fro then, or to where no step after it comes back from at once.
-    """
-    swings = found == STAGES_CONVERGED and r.swings
-    if not swings and (found != STAGES_FAILED or not fresh or r.nearer == 1.0):
-        return found
-    if own_stages(e, r, rtol, STALLS, SOON) and factorise(r) != SINGULAR:
-        return STAGES_CONVERGED
-    r.matrix = NO_MATRIX
-    # nothing better is found; the factors are still those of before
-    return iterate_stages(e, r, rtol) if swings else found
 
 
 def rises(e: Engine, r: Radau) -> bool:

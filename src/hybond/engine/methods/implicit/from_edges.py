@@ -31,17 +31,14 @@ from hybond.engine.methods.implicit.radau_slopes import held_by_law
 from hybond.engine.methods.implicit.radau_stages import (
     ENOUGH,
     FRESH_MATRIX,
-    OPEN,
     STAGE_1,
     STAGE_2,
-    STILL_SWINGS,
     mean_size,
     place_stages,
     rate_at,
     stage_rates,
     stage_time,
 )
-from hybond.engine.methods.implicit.rates_in_stages import rates_left
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.mode.digits.sizes import sizes_of
 from hybond.engine.mode.nonlinear.newton_system import is_given
@@ -158,11 +155,11 @@ def is_off_edge(e: Engine, t: float, y: Floats) -> bool:
     return off
 
 
-def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float, most: int) -> bool:
+def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     """Find the stages of a step, and a Jacobian at its end; False where there are none.
 
-    None are after so many corrections at the `most`, and no part of one that is less than `least`
-    is taken for progress. What was tried beyond an edge on the way refuses no step that is found.
+    No part of a correction that is less than `least` is taken for progress. What was tried beyond
+    an edge on the way refuses no step that is found.
     """
     n = r.n
     refusal = e.refusal
@@ -176,8 +173,7 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float, most: int) 
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
     stalled = 0
     before = 1.0
-    rates_before = math.inf
-    for _ in range(most):
+    for _ in range(CORRECTIONS):
         put_whole(e, r, rtol)
         if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
             return False
@@ -194,12 +190,9 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float, most: int) 
             held_by_law(e, r, r.other)
         r.size = mean_size(n, 3, r.left_over.at, r.other)
         if part == 1.0 and r.size <= enough:
-            rates = rates_left(r)
-            if rates <= OPEN or not rates < STILL_SWINGS * rates_before:
-                end_stages(r)
-                e.refusal = refusal
-                return True
-            rates_before = rates
+            end_stages(r)
+            e.refusal = refusal
+            return True
     return False
 
 
@@ -345,7 +338,7 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
         r.shifted[i] = r.y[s * n + i]
     for j in range(n):
         here = r.shifted[j]
-        delta = r.nearer * DIGITS * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
+        delta = DIGITS * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
         moved = math.fabs(r.z[s * n + j])
         if moved > 0.0:
             # an edge that is not at zero is as far as the state has moved from there

@@ -18,11 +18,10 @@ from hybond.engine.methods.explicit.one_instant import is_one_kink, room_of_inst
 from hybond.engine.methods.implicit.beside_edges import (
     begins_at_edge,
     iterate_beside_edge,
-    iterate_on_steep_law,
     own_stages,
 )
 from hybond.engine.methods.implicit.beside_kinks import leads_beyond
-from hybond.engine.methods.implicit.from_edges import CORRECTIONS, keep_within, widen
+from hybond.engine.methods.implicit.from_edges import keep_within, widen
 from hybond.engine.methods.implicit.hidden_peaks import hidden_in_stages
 from hybond.engine.methods.implicit.nearer_slopes import takes_nearer_slopes
 from hybond.engine.methods.implicit.radau_dense import hold_dense, make_polynomial, put_dense
@@ -182,10 +181,8 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     found = STAGES_CONVERGED if r.from_edge else iterate_beside_edge(e, r, rtol)
     if found != STAGES_CONVERGED and fresh and e.model.bends > 0.0:
         # one matrix does not serve stages before and behind where a current has all but ended
-        if own_stages(e, r, rtol, 0.0, CORRECTIONS) and factorise(r) != SINGULAR:
+        if own_stages(e, r, rtol, 0.0) and factorise(r) != SINGULAR:
             found = STAGES_CONVERGED
-    if r.rates_asked and e.model.begins > 0:
-        found = iterate_on_steep_law(e, r, rtol, found, fresh)
     if found == STAGES_FAILED and fresh and takes_nearer_slopes(e, r, rtol):
         if factorise(r) != SINGULAR:
             found = iterate_beside_edge(e, r, rtol)

@@ -122,7 +122,7 @@ def hold_dense(e: Engine, r: Radau) -> None:
     if error > r.error:
         r.error = error
         copy_floats(r.n, r.end, r.error_vector)
-    if r.rates_asked and r.error <= 1.0 and e.model.begins == 0:
+    if r.rates_asked and r.error <= 1.0:
         r.error = max(r.error, bend_dense(e, r))
 
 

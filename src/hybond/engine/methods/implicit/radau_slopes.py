@@ -23,7 +23,7 @@ from hybond.engine.methods.implicit.beside_kinks import (
     stay_on_side,
 )
 from hybond.engine.methods.implicit.radau_room import Radau
-from hybond.engine.methods.implicit.radau_stages import FRESH_MATRIX, only_shown, rate_at
+from hybond.engine.methods.implicit.radau_stages import FRESH_MATRIX, rate_at
 from hybond.engine.methods.linear.graded import fast_from
 from hybond.engine.methods.tolerances.scale import (
     ROUNDED,
@@ -175,6 +175,12 @@ def put_slope(r: Radau, at: int, change: float, rest: float, width: float, close
     left = ((change - product) - product_rest(slope, width, product) + rest) / width
     r.jacobian[at] = slope + left
     r.jacobian_rest.at[at] = sum_rest(slope, left, r.jacobian[at])
+
+
+def only_shown(e: Engine, j: int) -> bool:
+    """Whether a state is a signal that no rate reads; where a motion slides, its surface may."""
+    m = e.model
+    return j >= m.storages and e.slide.k == 0 and m.signal_acts[j - m.storages] == 0
 
 
 def beside(e: Engine, r: Radau, j: int, delta: float) -> int:

@@ -158,36 +158,6 @@ def mean_size(n: int, rows: int, x: Floats, unit: Floats) -> float:
     return size if size == size else math.inf
 
 
-def only_shown(e: Engine, j: int) -> bool:
-    """Whether a state is a signal that no rate reads; where a motion slides, its surface may."""
-    m = e.model
-    return j >= m.storages and e.slide.k == 0 and m.signal_acts[j - m.storages] == 0
-
-
-def shows_alone(e: Engine, n: int) -> bool:
-    """Whether there is a signal that no rate reads."""
-    for j in range(e.model.storages, n):
-        if only_shown(e, j):
-            return True
-    return False
-
-
-def acting_size(e: Engine, r: Radau, unit: Floats) -> float:
-    """Return the root mean square of the last corrections of what rates read, in tolerances.
-
-    What is shown alone is found at once, from wherever it begins: that tells nothing of how fast
-    the others come.
-    """
-    total = 0.0
-    for i in range(r.n):
-        if only_shown(e, i) or not unit[i] > 0.0:
-            continue
-        for s in range(3):
-            a = r.last[s * r.n + i] / unit[i]
-            total += a * a
-    return math.sqrt(total / float(3 * r.n))
-
-
 def swing_within(r: Radau, other: bool) -> bool:
     """Whether stages swing about where they should be, within the tolerance; then they go there.
 
@@ -227,7 +197,6 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     place_stages(r)
     other = False
     found_all = False
-    shown = e.model.begins > 0 and shows_alone(e, n)
     resting = n + 1
     count = 0
     while count < ITERATIONS:
@@ -264,17 +233,13 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             allow_rounding(e, r.h, r.y0, r.stage, r.other)
             other = True
             r.size = mean_size(n, 3, r.last, r.other)
-        acting = acting_size(e, r, r.other if other else r.tolerance) if shown else r.size
         if count > 1:
-            r.rate = acting / before if before > 0.0 else 0.0
+            r.rate = r.size / before if before > 0.0 else 0.0
             if swing_within(r, other):
                 return STAGES_CONVERGED
             if found_all and not r.rate < STILL_SWINGS:
-                if e.model.begins == 0 or open_rates <= 1.0:
-                    # what is left of rates is rounding
-                    return STAGES_CONVERGED
-                # one matrix leads them to and fro along a steep law
-                found_all = False
+                # what is left of rates is rounding
+                return STAGES_CONVERGED
             if not r.rate < 1.0:
                 return STAGES_FAILED
             r.now_left = r.rate / (1.0 - r.rate)
@@ -284,6 +249,6 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
         found_all = found_all or r.now_left * r.size <= enough
         if found_all and (count == ITERATIONS or r.now_left * open_rates <= OPEN):
             return STAGES_CONVERGED
-        before = acting
+        before = r.size
         copy_floats(3 * n, r.last, r.swung)
     return STAGES_FAILED

@@ -36,10 +36,8 @@ are measured by what they were, and what was let in at first is forgotten soon."
 def ask_rates_too(e: Engine, r: Radau) -> None:
     """Find what rates of storages may be off by over the step that is tried.
 
-    At edges of laws and where a current all but ends, slopes have no bound, and none are asked:
-    what an error makes of rates there is not what it is a moment later. What follows others along
-    a law that is steep at rest, such as ``k*f*abs(f)``, is asked for in the stages, and not between
-    them.
+    Where slopes have no bound, at edges of laws and where they begin or end, none are asked: what
+    an error makes of rates there is not what it is a moment later.
     """
     m = e.model
     n = r.n
@@ -47,7 +45,7 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
     for i in range(n):
         r.rate_may[i] = math.inf
         r.bent[i] = 0.0
-    if m.edges > 0 or m.bends > 0.0 or e.slide.k > 0:
+    if m.edges > 0 or m.begins > 0 or m.bends > 0.0 or e.slide.k > 0:
         return
     for i in range(m.storages):
         if not r.tolerance[i] > 0.0:

@@ -21,7 +21,9 @@ from hybond.engine.methods.linear.balance import even_unread, put_rows, take_uni
 from hybond.engine.methods.linear.flow_columns import put_column_twofold
 from hybond.engine.methods.linear.flow_records import Exact, Flow
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.rows.storage import is_alone
 from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
 ROUNDED_AWAY: Final = 0.1
@@ -39,13 +41,24 @@ def fast_from(rtol: float, span: float) -> float:
     return ROUNDED_AWAY * rtol / (EPSILON * span) if span > 0.0 else math.inf
 
 
+def fast_between_ports(rtol: float, span: float) -> float:
+    """Return the same for what ports of one field have of each other.
+
+    Two windings that are all but one have large entries which nothing decays by. Where one of them
+    carries no current, rounding moves its flux off that of the other at such a rate, and what it is
+    off by moves both at that rate once more.
+    """
+    return math.sqrt(ROUNDED_AWAY * rtol / EPSILON) / span if span > 0.0 else math.inf
+
+
 def exchanges_fast(e: Engine, mode: Mode) -> bool:
     """Whether a rate reads what another storage holds so fast that rounding of it tells in the run.
 
     What laws that are solved make of it is left out.
     """
     m = e.model
-    most = fast_from(m.rtol, e.span)
+    apart = fast_from(m.rtol, e.span)
+    between = fast_between_ports(m.rtol, e.span)
     rows = mode.finite
     for k in range(m.storages):
         own = mode.same[rate_bond(m, k)]
@@ -53,6 +66,7 @@ def exchanges_fast(e: Engine, mode: Mode) -> bool:
             port = rows.column.at[i]
             if port >= m.storages:
                 continue
+            most = apart if is_alone(m, port) else min(apart, between)
             for p in range(m.stiff_first[port], m.stiff_first[port + 1]):
                 fast = math.fabs(rows.value.at[i] * m.stiff_constant[p]) > most
                 if fast and m.stiff_other[p] != k:
@@ -71,7 +85,10 @@ def grade(e: Engine, mode: Mode, f: Flow) -> None:
     f.shares = 0
     fit_places(f.standing, e.states)
     fit_places(f.pivoted, e.states)
-    fast = max(fast_from(e.model.rtol, e.span), RANGE * f.norm)
+    fast = fast_from(e.model.rtol, e.span)
+    if has_fields(e.model):
+        fast = min(fast, fast_between_ports(e.model.rtol, e.span))
+    fast = max(fast, RANGE * f.norm)
     if not f.norm > fast:
         return
     even_unread(f, x.dense.at, e.model.storages, e.states, f.standing)
@@ -95,6 +112,14 @@ def grade(e: Engine, mode: Mode, f: Flow) -> None:
     f.own = f.apart
     f.norm = max(f.norm, put_rows(f.own, n, x.dense.at))
     take_unit(f)
+
+
+def has_fields(m: Model) -> bool:
+    """Whether any storage has part in the co-energy variable of another."""
+    for k in range(m.storages):
+        if not is_alone(m, k):
+            return True
+    return False
 
 
 def share_fast(f: Flow, states: int, fast: float) -> bool:
