@@ -186,7 +186,9 @@ def _misfit(
     positional = [
         n for n, p in own.items() if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)
     ]
-    unknown = [n for n in options if n not in own]
+    # what takes names that it does not list itself looks at them later
+    more = any(p.kind is p.VAR_KEYWORD for p in own.values())
+    unknown = [n for n in options if n not in own and not more]
     if unknown:
         known = [n for n, p in own.items() if p.kind is not p.POSITIONAL_ONLY]
         meant = next((n for n, words in _ELSEWHERE.items() if unknown[0] in words), "")

@@ -86,6 +86,14 @@ class Trial:
     was_loose: int
     """In how many directions bond variables were before, as ``pre()`` reads them."""
     was_freedom: Block
+    settled_at: float
+    """The instant that was the last to settle."""
+    rates: Floats
+    """How fast integrated signals change in the trial, to find how they are free."""
+    kept_signals: Floats
+    """Integrated signals before they are moved: three numbers of each."""
+    ways: Block
+    """The ways in which integrated signals are free: each has a number for each of them."""
     dusted: bool
     """Whether rounding was swept out of what is stored."""
     factors: int
@@ -290,6 +298,10 @@ def make_trial(m: Model) -> Trial:
     trial.terms = floats(m.slots)
     trial.freedom = make_block(1)
     trial.was_freedom = make_block(1)
+    trial.settled_at = 0.0
+    trial.rates = floats(m.integrals)
+    trial.kept_signals = floats(3 * m.integrals)
+    trial.ways = make_block(1)
     trial.factor = make_block(1)
     trial.through = ints(m.machines)
     return trial

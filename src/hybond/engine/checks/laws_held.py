@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.rounding import UNDERFLOW
+from hybond.engine.algebra.rounding import EPSILON, UNDERFLOW
 from hybond.engine.answers import value
 from hybond.engine.checks.another import look_for_another
 from hybond.engine.checks.bounds_held import MOST
@@ -26,7 +26,7 @@ from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.rows.storage import co_energy_of, own_stiffness
+from hybond.engine.mode.rows.storage import co_energy_of, own_stiffness, stiff
 from hybond.engine.mode.rows.storage_bonds import co_energy_bond
 from hybond.engine.mode.rows.tableau import part_of
 from hybond.engine.reasons.noting import ELEMENT, JUNCTION, STORAGE, note_violation
@@ -42,6 +42,9 @@ BLIND: Final = 1e-3
 solution, however it came about. Likewise of a variable, whose digits are known if less is lost."""
 LOST_DIGITS: Final = 1e-13
 """Likewise, of the terms that made a variable, as where a guard is asked."""
+SOLVED_FROM: Final = 4
+"""Roundings of what a field stores where it is held to what other ports store: an entry divided by
+another, a product, what is stored itself, and a product in the law."""
 SPARSE: Final = 512
 SOON: Final = 8
 """Evaluations from one look to the next at the least; then as many as there were."""
@@ -248,7 +251,24 @@ def hold_storage(e: Engine, k: int) -> None:
     if not c.first_look:
         held = SOLVED * e.work.reach[k] * math.fabs(own_stiffness(m, k, c.v))
         may += held if math.isfinite(held) else 0.0
+        may += rounding_of_field(e, k)
     judge(e, STORAGE, k, shown - own, math.fabs(own), may + c.lost[at])
+
+
+def rounding_of_field(e: Engine, k: int) -> float:
+    """Return what rounding may leave of what the ports of a field put on port k together.
+
+    Their terms cancel where coils are coupled well. Each is a product of what is stored, which was
+    solved from what others store, and they are added up: half a last place at each turn.
+    """
+    m = e.model
+    v = e.checks.v
+    terms = 0.0
+    many = m.stiff_first[k + 1] - m.stiff_first[k]
+    for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
+        terms += math.fabs(stiff(m, i, v) * v[m.stored_slot + m.stiff_other[i]])
+    may = 0.5 * EPSILON * float(many + SOLVED_FROM) * terms
+    return may if math.isfinite(may) else 0.0
 
 
 def hold_junction(e: Engine, j: int) -> None:

@@ -44,6 +44,7 @@ from hybond.engine.instant.instant import (
 )
 from hybond.engine.instant.jump_balance import hold_jump, jump_may_create
 from hybond.engine.instant.left_out import warn_of_left_out
+from hybond.engine.instant.open_integrals import refuse_open_integrals
 from hybond.engine.instant.passed_over import enter_or_pass
 from hybond.engine.instant.settling import Settling, look_for_cycle
 from hybond.engine.instant.staying import (
@@ -84,7 +85,7 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
 
     The interval is entered that begins at the instant.
     """
-    if begin_to_settle(e, g, i) != OK:
+    if begin_to_settle(e, g, i) != OK or refuse_what_passed(e, i) != OK:
         return REFUSED
     written = -1
     writes = 0
@@ -112,13 +113,29 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
     if is_fieldless(e, e.mode):
         why = "the mode holds at an instant only (a law reads pre()) but no guard leaves it"
         return say_fault(e, "HB-N403", why, "")
+    if refuse_open_integrals(e) != OK:
+        return REFUSED
     if i.steps == 0 and is_new(i):
         drop_fired(i)
         note_step(i, CONTINUOUS)
         tell_trial(e, i, g.x, True)
     join_parts(e, e.mode)
     write_back(e, g)
+    e.trial.settled_at = e.t
     return OK
+
+
+def refuse_what_passed(e: Engine, i: Instant) -> int:
+    """Refuse what has come to depend on integrals of what the mode left open that ends here.
+
+    As it was entered, something else may have decided.
+    """
+    if i.cause == START or e.t <= e.trial.settled_at:
+        return OK
+    for k in range(e.model.machines):
+        if e.trial.state[k] != e.state[k]:
+            return OK
+    return refuse_open_integrals(e)
 
 
 def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:

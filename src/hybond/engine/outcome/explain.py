@@ -41,8 +41,8 @@ SURFACES = {
     SLIDES_OFF: "no longer pushed into from both sides",
     PARTS: "it has jumped away",
 }
-OPEN_BEFORE = 2
-"""When what a guard reads was open: as in `hybond.engine.instant.indeterminate`."""
+OPEN_BEFORE, OPEN_SINCE = 2, 3
+"""When what a guard reads was open: as in `indeterminate` and `open_integrals` of the engine."""
 SLIDING = -1
 """The state of a machine that slides."""
 
@@ -119,6 +119,7 @@ class Explaining:
         ]
         self._rules = [rule for _, rule in ruled]
         self._ruled = [machine for machine, _ in ruled]
+        self._laws = [law for m in graph.machines if m.law is not None for law in m.law.junctions]
         self.surfaces = surfaces_of(graph)
         self._bonds = tables.bonds
 
@@ -221,6 +222,8 @@ class Explaining:
 
         `when` is `OPEN_BEFORE` if that was so before the instant.
         """
+        if when == OPEN_SINCE:
+            return self._on_open_integrals(rule, {f"s:{k}" for k in free}, mode)
         guard = self._rules[rule]
         bonds = len(self.graph.bonds)
         moved = {f"{'e' if k < bonds else 'f'}:{k % bonds}" for k in free}
@@ -229,6 +232,22 @@ class Explaining:
         read = ", ".join(name for name, e in reads if names(e) & moved)
         where = "before this instant" if before else f"in mode ({self.graph.mode_text(mode)})"
         return f"the guard {guard.text!r} reads {read}, which the equations leave open {where}"
+
+    def _on_open_integrals(self, reader: int, free: set[str], mode: Mode) -> str:
+        """Say that a guard, or the gap of port ``-1 - reader``, reads integrals of what is open."""
+        if reader >= 0:
+            guard = self._rules[reader]
+            what = f"the guard {guard.text!r}"
+            read = [name for name, e in guard.reads if names(e) & free]
+        else:
+            law = self._laws[-1 - reader]
+            what = f"the gap of {self.graph.nodes[law.node].path}"
+            named = {f"s:{i.index}": i.path for i in self.graph.integrals}
+            found = names(law.gap) if law.gap is not None else frozenset()
+            read = [named[name] for name in sorted(found & free)]
+        where = f"in mode ({self.graph.mode_text(mode)})"
+        open_ = "an integral" if len(read) == 1 else "integrals"
+        return f"{what} reads {', '.join(read)}, {open_} of what the equations leave open {where}"
 
     def _fired(self, found: Instants, f: int) -> Fired:
         rows = found.rows

@@ -167,8 +167,8 @@ def _function(guard: Expr) -> str:
 
 def _open(c: Case) -> Said:
     rule, when, *free = c.numbers
-    machine = c.explain.machine_of(rule)
-    return Said(c.explain.guard_on_open(rule, when, free, c.mode), f"{machine.path} {c.now}")
+    place = c.explain.machine_of(rule).path if rule >= 0 else c.refusal.place
+    return Said(c.explain.guard_on_open(rule, when, free, c.mode), f"{place} {c.now}")
 
 
 def _impulsive(c: Case) -> Said:

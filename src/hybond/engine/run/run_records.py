@@ -188,6 +188,7 @@ def begin(e: Engine) -> None:
     e.stop = m.until
     e.span = m.span
     e.t = 0.0
+    e.trial.settled_at = 0.0
     for k in range(m.storages):
         e.y[k] = m.storage_start[k]
     for k in range(m.integrals):
