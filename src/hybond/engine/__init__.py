@@ -82,6 +82,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             standing, standing_records    what stands at an equilibrium that nothing touches
     constraints/
         constraints         what a jump must fulfil
+        bent_sources        what is free there, where sources are no linear functions of it
         impulse_ways, own_ways    the impulses that move what is stored there
         sparse_ways         where much is tied together
     impacts/

@@ -152,6 +152,11 @@ class Work:
     left: Block
     left_before: Block
     refrozen: Block
+    reach_free: Block
+    reach_slope: Block
+    reach_rest: Block
+    reach_step: Block
+    """What the power structure leaves free where its rows hold, slopes, what is left, a step."""
     known: Block
     rate_part: Block
     row: Block
@@ -338,6 +343,10 @@ def make_work(m: Model) -> Work:
     w.left = make_block(1)
     w.left_before = make_block(1)
     w.refrozen = make_block(1)
+    w.reach_free = make_block(1)
+    w.reach_slope = make_block(1)
+    w.reach_rest = make_block(1)
+    w.reach_step = make_block(1)
     w.known = make_block(1)
     w.rate_part = make_block(1)
     w.row = make_block(1)
