@@ -22,9 +22,10 @@ from hybond.engine.words import Floats
 
 STEPS: Final = 60
 HALVES: Final = 40
-SETTLED: Final = 1e-15
-"""A step below this part of what is free is none."""
+SETTLED: Final = 1e-11
+"""A step below this part of what is free is the last one: the next one is its square."""
 DEPENDENT: Final = 1e-12
+"""What is below this part of the largest counts as dependent."""
 
 
 def bends_in_free(e: Engine, mode: Mode) -> bool:
@@ -82,9 +83,11 @@ def reach_free(e: Engine, mode: Mode, v: Floats) -> bool:
         rest = w.reach_rest.at
         least_squares(room, rank, frees, w.reach_slope.at, DEPENDENT, 1, rest, w.reach_step.at)
         step = largest_of(frees, w.reach_step.at)
-        if step <= SETTLED * largest_of(frees, r) or (off == 0.0) or not (off < before):
-            rest_at(e, mode, v, 0.0)
-            return off == 0.0 or step <= DEPENDENT * largest_of(frees, r)
+        if step <= SETTLED * largest_of(frees, r):
+            rest_at(e, mode, v, 1.0 if step > 0.0 else 0.0)
+            return True
+        if not off < before:
+            break
         before = off
         part = part_ahead(e, mode, v, off)
         for j in range(frees):
