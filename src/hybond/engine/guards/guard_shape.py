@@ -16,8 +16,8 @@ from hybond.engine.guards.guard_values import (
     test_here,
 )
 from hybond.engine.guards.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
-from hybond.engine.guards.noise import is_noise
 from hybond.engine.guards.naps import is_asleep, let_sleep
+from hybond.engine.guards.noise import is_noise
 from hybond.engine.words import Floats
 
 UNRESOLVED: Final = 0.02

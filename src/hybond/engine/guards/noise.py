@@ -19,7 +19,7 @@ PLACES: Final = 2
 NEIGHBOURS: Final = 4
 """Noise is everywhere: it is looked for at so many places of a block, by so many instants each."""
 BESIDE: Final = 2.0**-20
-"""Part of the block by which they are apart: far less than the least block that halving leads to."""
+"""Part of the block by which they are apart: far less than the least block halving leads to."""
 FEWEST: Final = 8.0
 """Units of rounding of the time that they are apart at the least, ..."""
 WIDE: Final = 1e3
