@@ -209,3 +209,41 @@ def test_what_nothing_is_joined_to_is_said_to_be_unjoined_and_not_shorted(
     m.bond("part.port -> load")
     run = hb.simulate(m, until=1.0)
     assert [abs(run[f"load.{v}"].at(0.5)) for v in "ef"] == [1.0, 1.0]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("rules", ["diode", "late", "together"])
+def test_a_freewheeling_junction_by_rules_is_told_of_the_law(rules: str, *, turned: bool) -> None:
+    """Where the other switch closes while it conducts, both were on, and nothing named the law."""
+
+    def buck(law: str | None) -> hb.Model:
+        fw = hb.One(law=law) if law else hb.One()
+        m = hb.Model("buck", parameters={"w": 2e4 * np.pi})
+        m.add(vin=hb.Se(24.0), sw=hb.One(), fw=fw, n=hb.Zero(), g=hb.Se(0.0), l=hb.I(1e-4))
+        m.add(
+            j=hb.One(),
+            o=hb.Zero(),
+            c=hb.C(1e-5),
+            r=hb.R(1.0),
+            also=hb.One(),
+            rr=hb.R(1.0),
+            u=hb.Se(1.0),
+        )
+        m.bond("vin -> sw -> n", "g -> fw -> n", "o -> j -> n" if turned else "n -> j -> o")
+        m.bond("j -> l", "o -> c", "o -> r", "u -> also -> rr")
+        gate = ["on -> off when sin(w*time) < 0", "off -> on when sin(w*time) > 0"]
+        m.machine("gate", states={"off": [], "on": ["sw"]}, start="on", rules=gate)
+        on = ["fw", "also"] if rules == "together" else ["fw"]
+        if law is None:
+            free = ["no -> yes when fw.e > 0", f"yes -> no when fw.f < {-(rules == 'late')}"]
+            m.machine("free", states={"no": [], "yes": on}, start="no", rules=free)
+        return m
+
+    said = refusal(buck(None), "HB-C101")
+    assert ("law = 'diode' of fw" in said.hint) == (rules == "diode")
+    if rules == "diode":
+        run = hb.simulate(buck("diode"), 2e-3)
+        assert run.status == "ok"
+        # the mean of what is behind the coil is half of 24 V where its current never ends
+        v = run["c.e"].at(np.linspace(1.9e-3, 2e-3, 1001)[:-1])
+        assert np.mean(v) == pytest.approx(12.0, rel=1e-3)

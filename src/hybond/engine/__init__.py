@@ -82,6 +82,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             standing, standing_records    what stands at an equilibrium that nothing touches
     constraints/
         constraints         what a jump must fulfil
+        bent_sources        what is free there, where sources are no linear functions of it
         impulse_ways, own_ways    the impulses that move what is stored there
         sparse_ways         where much is tied together
     impacts/
@@ -166,6 +167,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         limits_crossed      what has come to one, waits there, and is asked again
         rests_asked         what rests where time, or a crossing beside it, asks for it
         naps, blurred       kinks that end no steps for a while; roots that a step does not tell
+        noise               whether samples are rough between neighbours
         together, ends_at_guard    what is one instant with it; the step that ends there
     instant/
         settle, settling    trying modes at an instant until none is left; what a cycle is told by

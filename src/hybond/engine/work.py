@@ -100,6 +100,8 @@ class Work:
     """By kinds of bond variables: how far one is moved to be beside a corner."""
     kept_at_corner: Places
     """Of each row: whether it is kept at a corner, so that its slope is that of the other side."""
+    holds_rows: bool
+    """Whether Newton keeps how rows of the power structure are combined."""
     takes_rounding: bool
     """Whether shorter steps may end where no part of one helps if all laws hold to rounding."""
     met_rounding: bool
@@ -152,6 +154,13 @@ class Work:
     left: Block
     left_before: Block
     refrozen: Block
+    held: Block
+    """Where rows that were held have led."""
+    reach_free: Block
+    reach_slope: Block
+    reach_rest: Block
+    reach_step: Block
+    """What the power structure leaves free where its rows hold, slopes, what is left, a step."""
     known: Block
     rate_part: Block
     row: Block
@@ -306,6 +315,7 @@ def make_work(m: Model) -> Work:
     w.kind_beside = floats(max(m.classes, 1))
     w.in_step = False
     w.kept_at_corner = make_places(1)
+    w.holds_rows = False
     w.takes_rounding = False
     w.met_rounding = False
     w.slopes_there = make_block(1)
@@ -338,6 +348,11 @@ def make_work(m: Model) -> Work:
     w.left = make_block(1)
     w.left_before = make_block(1)
     w.refrozen = make_block(1)
+    w.held = make_block(1)
+    w.reach_free = make_block(1)
+    w.reach_slope = make_block(1)
+    w.reach_rest = make_block(1)
+    w.reach_step = make_block(1)
     w.known = make_block(1)
     w.rate_part = make_block(1)
     w.row = make_block(1)

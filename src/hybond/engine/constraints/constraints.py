@@ -10,6 +10,7 @@ from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
+from hybond.engine.constraints.bent_sources import bends_in_free, reach_free, row_at
 from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.digits.part_energies import find_energies
 from hybond.engine.mode.digits.reach import reach_at
@@ -141,6 +142,12 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     # a controlled source is read at the state tried
     for k in range(n):
         v[m.bond_slot + k] = w.base[k]
+    if bends_in_free(e, mode) and reach_free(e, mode, v):
+        for i in range(mode.structures):
+            w.two_port.at[2 * i] = row_at(e, mode, v, i)
+            for k in range(n):
+                term = w.frozen.at[mode.structure[i] * n + k] * (v[m.bond_slot + k] - w.base[k])
+                w.two_port.at[2 * i + 1] += math.fabs(term)
     for i in range(mode.structures):
         d = mode.dynamic[mode.structure[i]]
         if m.dynamic_source[d] != 0:

@@ -17,6 +17,7 @@ from hybond.engine.guards.guard_values import (
 )
 from hybond.engine.guards.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
 from hybond.engine.guards.naps import is_asleep, let_sleep
+from hybond.engine.guards.noise import is_noise
 from hybond.engine.words import Floats
 
 UNRESOLVED: Final = 0.02
@@ -29,6 +30,9 @@ SLACK: Final = 1e-12
 """Part of samples that rounding may add to the polynomial through them."""
 ROUNDING: Final = 1e-13
 """Part of the terms of a comparison that rounding leaves unexplained."""
+ASKED_EVERY: Final = 3
+"""Of the depths of blocks, the first included, one in so many at which noise is looked for: what
+halving shows does not pay for it each time."""
 
 
 def sample(e: Engine, g: Locator) -> None:
@@ -137,11 +141,13 @@ def first_turn(g: Locator, a: int) -> float:
     return math.inf
 
 
-def is_resolved(e: Engine, g: Locator) -> bool:
+def is_resolved(e: Engine, g: Locator, depth: int) -> bool:
     """Whether the samples show all that the guards do, rounding left out."""
     for k in range(g.guards):
         for a in range(g.atom_first[k], g.atom_first[k + 1] if g.solved[k] == 0 else 0):
-            if g.doubtful[a] != 0 and not is_rounding(e, g, k, a):
+            if g.doubtful[a] == 0 or is_rounding(e, g, k, a):
+                continue
+            if depth % ASKED_EVERY != 1 or not is_noise(e, g, k, a):
                 return False
     return True
 

@@ -94,7 +94,7 @@ def search(e: Engine, g: Locator) -> int:
         if has_failed(g):
             return REFUSED
         blocks += 1
-        resolved = is_resolved(e, g) if blocks <= BLOCKS else give_up_kinks(e, g)
+        resolved = is_resolved(e, g, depth) if blocks <= BLOCKS else give_up_kinks(e, g)
         deepest = DEEPEST if blocks <= MOST_BLOCKS else SHALLOW
         if depth < deepest and not resolved:
             middle = 0.5 * (low + high)

@@ -109,7 +109,7 @@ def _base_mode(graph: FlatGraph, mode: Mode) -> Mode:
 
 def _sources(c: Case) -> Said:
     from hybond.causality.explain import join, unjoined
-    from hybond.engine.outcome.remedies import against_conflict
+    from hybond.engine.outcome.remedies import against_conflict, as_diodes
 
     mode, (difference, *pairs) = c.given_mode()
     columns = sorted(zip(pairs[::2], pairs[1::2], strict=True))
@@ -127,6 +127,7 @@ def _sources(c: Case) -> Said:
         why = f"{names} prescribe the same variable and differ by {difference:.6g}"
     chains = _in_words(c.graph, mode, conflicts)
     hint = against_conflict(nodes, "; switches: " in chains)
+    hint += as_diodes(c.graph, mode, conflicts)
     hint = f"{join(ends)}; or {hint}" if ends else hint
     return Said(f"{why} {c.now}. {chains}".removesuffix(". "), c.graph.mode_text(mode), hint)
 

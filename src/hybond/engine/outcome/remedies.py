@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hybond.causality.assign import assign
+from hybond.causality.record import Conflict
 from hybond.model.expressions import (
     Call,
     Expr,
@@ -55,6 +56,30 @@ def against_conflict(nodes: list[Node], switched: bool) -> str:
     if flat:
         hint += f", or let the law of {' and '.join(flat[:MANY])} rise at its flat end"
     return hint + (", or change what switches it so" if switched else "")
+
+
+def as_diodes(graph: FlatGraph, mode: Mode, conflicts: Iterable[Conflict]) -> str:
+    """Return which junctions could have a law in place of rules that are a diode's; "" for none.
+
+    Machines fire on what holds in the mode they are in: where another switch closes, one that
+    conducts is told to block by a current that has no value yet. A law answers together with it.
+    """
+    paths = [path for c in conflicts for path, on in c.switches if on]
+    nodes = (graph.nodes[graph.by_path[path]] for path in dict.fromkeys(paths))
+    found = [n.path for n in nodes if n.kind == "1" and _is_diode(graph, n)]
+    return f", or let law = 'diode' of {' and '.join(found)} stand for its rules" if found else ""
+
+
+def _is_diode(graph: FlatGraph, node: Node) -> bool:
+    """Whether a machine switches this junction alone, by the two rules of an ideal diode."""
+    machine = None if node.machine is None else graph.machines[node.machine]
+    if machine is None or machine.law is not None or len(machine.rules) != len(machine.on):
+        return False
+    if sorted(map(sorted, machine.on)) != [[], [node.index]]:
+        return False
+    name = node.path.rpartition(".")[2]
+    rules = {(bool(machine.on[r.source]), "".join(r.text.split())) for r in machine.rules}
+    return rules == {(True, f"{name}.f<0"), (False, f"{name}.e>0")}
 
 
 def against_no_branches(graph: FlatGraph, mode: Mode, laws: Iterable[int]) -> str:

@@ -47,6 +47,8 @@ LEFT: Final = 1e-13
 """A residual below this part of its terms is rounding."""
 LATE: Final = 8
 """Steps after which what does not settle may be rounding."""
+TURNS: Final = 4
+"""Times that rows are combined anew where those before have been solved."""
 REACHED: Final = 1e-10
 """A step reaches a residual of which it leaves less than this part of its terms."""
 
@@ -121,6 +123,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     if not found:
         keep_end(e, frees, r)
         found = from_beside_jumps(e, mode, v, r)
+    if not found and mode.rank != mode.structures:
+        found = by_held_rows(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
     if not found and mode.guessed and frees == 1:
@@ -361,6 +365,35 @@ def shorter_steps(e: Engine, mode: Mode, v: Floats, r: Floats, begin: Floats) ->
     for j in range(mode.finite_frees):
         r[j] = begin[j]
     return damped(e, mode, v, r, TOLERANCE)
+
+
+def by_held_rows(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
+    """Solve with rows of the power structure combined as where it begins, and from there as ever.
+
+    How they are combined turns with their slopes. Where amplifiers reach their limits between one
+    step and the next it turns so far that no part of a step leaves less.
+    """
+    frees = mode.finite_frees
+    for j in range(frees):
+        r[j] = mode.guess.at[j] if mode.guessed else 0.0
+    fit(e.work.held, frees)
+    for _ in range(TURNS):
+        with_free(mode, 2 * e.model.bonds, e.work.base, r, e.work.w)
+        rows = system(e, mode, v, e.work.w)
+        if not all_finite(rows, e.work.residual.at):
+            return False
+        e.work.holds_rows = True
+        found = damped(e, mode, v, r, TOLERANCE)
+        e.work.holds_rows = False
+        if not found:
+            return False
+        for j in range(frees):
+            e.work.held.at[j] = r[j]
+        if full_steps(e, mode, v, r):
+            return True
+        for j in range(frees):
+            r[j] = e.work.held.at[j]
+    return False
 
 
 def no_solution(e: Engine, mode: Mode, v: Floats) -> int:

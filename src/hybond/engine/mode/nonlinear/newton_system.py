@@ -122,7 +122,8 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
             work.residual.at[i] = work.f[i]
             put_law(e, mode, i, i)
         return rows
-    split(e, mode, v)
+    if not work.holds_rows:
+        split(e, mode, v)
     many = mode.structures
     at = 0
     fit(work.row, n)
