@@ -134,7 +134,7 @@ def follow_roots(e: Engine) -> None:
         basis = b.basis
         middle = gone + 0.5 * (t - gone)
         shortest = t - gone <= 2.0 * least or middle <= gone or middle >= t
-        if goes_straight(e, mode, gone, t) or (shortest and begins_anew(e, mode, t)):
+        if goes_straight(e, mode, gone, t) or (shortest and jumps(e, mode, t)):
             put_point(e, mode, t)
             gone = t
             part *= 2.0
@@ -142,24 +142,26 @@ def follow_roots(e: Engine) -> None:
             # rows were eliminated anew: what slopes are by, and the sign of their determinant
             again += 1
             begin_signs(e, mode)
+        elif shortest and is_flat(mode):
+            # from rest a flow may go as a root of time: what comes of it is followed from there on
+            b.points = 0
+            gone = s.t1
         elif shortest:
             b.ended = True
         else:
             part = 0.5 * (t - gone)
-    if not b.ended and on_it and came:
+    if not b.ended and on_it and came and b.points > 0:
         see_what_moved(e, mode)
 
 
-def begins_anew(e: Engine, mode: Mode, t: float) -> bool:
-    """Whether there is another solution to follow from a time on, by what is known; solved there.
+def is_flat(mode: Mode) -> bool:
+    """Whether slopes at the last point leave something free, as of an orifice that is shut.
 
-    Where laws were flat they had no solution of their own: an orifice that has just been shut.
+    There laws have no solution that could be followed to another one; it is as short as it may be.
     """
-    if jumps(e, mode, t):
-        return True
     for g in range(groups_of(mode)):
         if mode.branch.sign.at[g] == 0.0:
-            return solves_at(e, t, mode.branch.y.at)
+            return True
     return False
 
 
