@@ -119,7 +119,8 @@ def sign_of_slope(e: Engine, d: int, p: int, v: Floats) -> float:
     if m.slope_sign[p] == HANGS:
         return sign_by_sizes(e, d, p, v)
     if e.slope_known[p] == NOT_ASKED:
-        e.slope_known[p] = int(sign_by_sizes(e, d, p, v))
+        sign = sign_by_sizes(e, d, p, v)
+        e.slope_known[p] = int(sign)
     return float(e.slope_known[p])
 
 
