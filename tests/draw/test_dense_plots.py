@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hybond.draw.plots import COLOURS, plot_run
+from hybond.draw.plots import COLOURS, event_lines, plot_run
 from hybond.draw.traces import thinned, trace_of
 
 
@@ -129,3 +129,11 @@ def test_a_notebook_is_given_one_picture(run_of: Any, monkeypatch: pytest.Monkey
     figure = plot_run(run, ["x"])
     assert pyplot.get_fignums() == before  # pyplot would show it once more
     assert figure._repr_png_().startswith(b"\x89PNG")
+
+
+def test_of_events_in_one_pixel_one_has_its_line() -> None:
+    from matplotlib.figure import Figure
+
+    ax = Figure().add_subplot()
+    event_lines(ax, np.array([3.0, 3.0001, 7.0]), 10.0)
+    assert [line.get_xdata()[0] for line in ax.lines] == [3.0, 7.0]

@@ -12,6 +12,7 @@ import pytest
 
 import hybond as hb
 from hybond.cli.main import main
+from hybond.measures.asked import read_measure
 
 RC = """hybond = 1
 title  = "RC"
@@ -245,3 +246,9 @@ def test_values_at_times_with_units(discharge: hb.Result, given: Any, t: Any) ->
 def test_what_is_no_time_of_the_run_is_refused(discharge: hb.Result, given: Any) -> None:
     with pytest.raises(hb.UsageError, match="HB-S110"):
         discharge["c.e"].at(given)
+
+
+def test_a_time_that_is_missing_is_told_before_the_run() -> None:
+    with pytest.raises(hb.HybondError, match=r"at\(c.e\) does not say when") as told:
+        read_measure("at(c.e)")
+    assert told.value.code == "HB-R120" and told.value.hint == "at(c.e, 1 ms)"

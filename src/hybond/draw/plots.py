@@ -432,8 +432,9 @@ def name_lines(
 
 
 def event_lines(ax: Axes, times: Vector, end: float) -> None:
-    """Draw a dotted line at each event that has room for it."""
+    """Draw a dotted line at each event that has room for it; of those in one pixel the first."""
     times = np.unique(times[(times > 0) & (times < end)])
+    times = times[np.diff(times, prepend=-np.inf) > 2.0 * end / _COLUMNS]
     for t in times[apart(times, _LINE_GAP * end)]:
         ax.axvline(t, color="#8c8c8c", linewidth=0.8, linestyle=(0, (1, 2)), zorder=1)
 

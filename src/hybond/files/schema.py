@@ -240,7 +240,7 @@ class Experiment(Struct, forbid_unknown_fields=True):
     sliding: Choice | UnsetType = UNSET
     hysteresis: Scalar | UnsetType = UNSET
     impact: Impact | UnsetType = UNSET
-    points: int | UnsetType = UNSET
+    points: Annotated[int, Meta(ge=1)] | UnsetType = UNSET
 
 
 class Causality(Struct, forbid_unknown_fields=True):

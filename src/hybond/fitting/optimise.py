@@ -88,7 +88,7 @@ class Optimum:
         return "\n".join(self._lines())
 
     def _lines(self) -> Iterator[str]:
-        yield f"{self.goal} = {self.value:.9g}, from {self.began:.9g} in {self.trials} runs"
+        yield f"{self.goal} = {self.value:.9g}, from {self.began:.9g} in {self.trials} run{'s' * (self.trials != 1)}"
         wide = max(map(len, self.names))
         for k, name in enumerate(self.names):
             unit = f" {self.units[k]}" if self.units[k] else ""

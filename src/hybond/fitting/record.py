@@ -144,7 +144,7 @@ class Fit:
                         f"{self.correlation[i, j]:.3f}"
                     )
         left = ", ".join(f"{v:.4g} of {name}" for name, v in self.residual.items())
-        yield f"left, root mean square: {left}; {self.trials} runs"
+        yield f"left, root mean square: {left}; {self.trials} run{'s' * (self.trials != 1)}"
         yield from self._told_of_minima()
         yield from self.notes
 

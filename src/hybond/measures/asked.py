@@ -84,15 +84,16 @@ def _final(signal: Signal, options: dict[str, Any]) -> Measurement:
 
 def _at(signal: Signal, options: dict[str, Any]) -> Measurement:
     if "t" not in options:
-        raise UsageError(
-            f"at({signal.name}) does not say when",
-            code="HB-R120",
-            where=f"at({signal.name})",
-            hint=f"at({signal.name}, 1 ms)",
-        )
+        raise _when(signal.name, f"at({signal.name})")
     t, side = time_of(options["t"], f"at({signal.name})"), options.get("side", "right")
     value = signal.at(t, side=side)
     return Measurement(value, About(signal.unit, t, t, t, "left" if side == "left" else ""))
+
+
+def _when(name: str, where: str) -> UsageError:
+    """Return the refusal of a value at no time."""
+    why = f"at({name}) does not say when"
+    return UsageError(why, code="HB-R120", where=where, hint=f"at({name}, 1 ms)")
 
 
 def _about(signal: Signal, unit: str, options: dict[str, Any]) -> About:
@@ -233,6 +234,8 @@ def read_measure(text: str, *, where: str = "measure") -> Asked:
                 hint="give it once",
             )
         options[key] = _value(key, found[2] if found else word, where)
+    if name == "at" and "t" not in options:
+        raise _when(words[0], where)
     return Asked(text.strip(), name, words[0], options)
 
 
