@@ -25,6 +25,7 @@ from hybond.errors import HybondError, NumericsError, UsageError
 from hybond.fitting.varied import scale_of, value_of
 from hybond.model.builder import Model
 from hybond.model.parts import Value
+from hybond.names import plural
 from hybond.result import Result
 from hybond.runs.asked import MethodOptions
 
@@ -88,7 +89,8 @@ class Optimum:
         return "\n".join(self._lines())
 
     def _lines(self) -> Iterator[str]:
-        yield f"{self.goal} = {self.value:.9g}, from {self.began:.9g} in {self.trials} run{'s' * (self.trials != 1)}"
+        runs = f"{self.trials} {plural('run', self.trials)}"
+        yield f"{self.goal} = {self.value:.9g}, from {self.began:.9g} in {runs}"
         wide = max(map(len, self.names))
         for k, name in enumerate(self.names):
             unit = f" {self.units[k]}" if self.units[k] else ""

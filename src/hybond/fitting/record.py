@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hybond.fitting.data import Data
 from hybond.fitting.varied import value_of
-from hybond.names import in_columns
+from hybond.names import in_columns, plural
 from hybond.result import Result
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ class Fit:
                         f"{self.correlation[i, j]:.3f}"
                     )
         left = ", ".join(f"{v:.4g} of {name}" for name, v in self.residual.items())
-        yield f"left, root mean square: {left}; {self.trials} run{'s' * (self.trials != 1)}"
+        yield f"left, root mean square: {left}; {self.trials} {plural('run', self.trials)}"
         yield from self._told_of_minima()
         yield from self.notes
 
