@@ -197,6 +197,8 @@ class Engine:
     """Whether a solution of laws with several is handed on: 1, else 0; ..."""
     root_given: bool
     """... and whether one was, to a run that has not begun to move."""
+    roots_kept: float
+    """How many solutions were kept as those where the motion is."""
     root_now: Floats
     root_before: Floats
     """Its bond variables where the motion is, and where the last step began."""
@@ -358,6 +360,7 @@ def make_engine(m: Model) -> Engine:
         e.slope_known[p] = NOT_ASKED
     e.root_known = 0.0
     e.root_given = False
+    e.roots_kept = 0.0
     e.root_now = floats(2 * m.bonds)
     e.root_before = floats(2 * m.bonds)
     e.seen_before = floats(2 * m.bonds)

@@ -71,8 +71,9 @@ def by_newton(e: Engine, mode: Mode, v: Floats) -> int:
     count_work(e, 2 * e.model.bonds + mode.knowns)
     if mode.branch.known and mode.guessed:
         begin_on_branch(e, mode, v[0])
-    elif not mode.guessed and (e.root_given or e.root_known != 0.0):
+    elif begins_elsewhere(e, mode):
         begin_at_root(mode, e.root_now)
+        mode.branch.since = e.roots_kept
     knowns_of(e, mode, v, True)
     if newton_with_digits(e, mode, v) != OK:
         return NOT_FINITE
@@ -88,6 +89,16 @@ def by_newton(e: Engine, mode: Mode, v: Floats) -> int:
             least_of_free(e, mode, v, e.work.w)
             keep_guess(mode, e.work.w)
     return OK
+
+
+def begins_elsewhere(e: Engine, mode: Mode) -> bool:
+    """Whether a mode begins at the solution that the motion of another one has followed.
+
+    Its own was that of an earlier visit, or of a look.
+    """
+    if mode.guessed and mode.branch.since == e.roots_kept:
+        return False
+    return e.root_known != 0.0 or (e.root_given and not mode.guessed)
 
 
 def has_come_from_afar(e: Engine, mode: Mode) -> bool:

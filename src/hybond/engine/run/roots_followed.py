@@ -347,6 +347,8 @@ def keep_root(e: Engine) -> None:
     """Keep the solution just found where the motion is, for a run that goes on, and tell of it."""
     n = 2 * e.model.bonds
     e.root_known = 1.0
+    e.roots_kept += 1.0
+    e.mode.branch.since = e.roots_kept
     copy_part(n, e.work.w, 0, e.root_now, 0)
     copy_part(n, e.mode.branch.root.at, 0, e.root_before, 0)
     tell_root(e, e.t)

@@ -27,6 +27,8 @@ class Branch:
     ended: bool
     points: int
     basis: int
+    since: float
+    """Which of the solutions kept a mode last began at, so that it begins at the newest."""
     when: Block
     root: Block
     sign: Block
@@ -66,6 +68,7 @@ def make_branch() -> Branch:
     b.ended = False
     b.points = 0
     b.basis = 0
+    b.since = 0.0
     b.when = make_block(1)
     b.root = make_block(1)
     b.sign = make_block(1)

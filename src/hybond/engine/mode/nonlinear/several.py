@@ -42,7 +42,7 @@ def is_followed(e: Engine, mode: Mode) -> bool:
     m = e.model
     if mode.dynamics == 0 or mode.affine or mode.opened or mode.rank != mode.structures:
         return False
-    if m.laws > 0 or m.method == MOREAU or m.method >= QSS1 or mode.dynamics != mode.finite_frees:
+    if m.method == MOREAU or m.method >= QSS1 or mode.dynamics != mode.finite_frees:
         return False
     for i in range(mode.dynamics):
         d = mode.dynamic[i]
