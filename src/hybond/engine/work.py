@@ -18,6 +18,7 @@ from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.mode.digits.cluster_records import Cluster, make_cluster
 from hybond.engine.mode.mode_records import Leakage, Ways, make_leakage, make_ways
+from hybond.engine.mode.nonlinear.followed_records import Following, make_following
 from hybond.engine.mode.rows.elimination_records import Elimination, make_elimination
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
@@ -255,6 +256,7 @@ class Work:
     leakage: Leakage
     ways: Ways
     """Impulses that contacts at rest allow."""
+    following: Following
     generic: Floats
     values: Floats
     """Values to try something with."""
@@ -419,6 +421,7 @@ def make_work(m: Model) -> Work:
     w.beside = floats(m.storages)
     w.leakage = make_leakage()
     w.ways = make_ways()
+    w.following = make_following()
     w.generic = floats(2 * m.slots)
     w.values = floats(2 * m.slots)
     w.stack = make_stack()

@@ -48,7 +48,7 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
                 clear = least >= CLEAR_PIVOT
                 if not clear and work.bends:
                     refine_step(e, rows)
-                take_single(e, rows)
+                take_single(e, rows, False)
                 return clear
     step_of_singular(e, rows, frees)
     return False

@@ -21,7 +21,7 @@ from hybond.engine.algebra.sparse_lu import (
     solve_transposed,
 )
 from hybond.engine.engine import Engine
-from hybond.engine.mode.nonlinear.single_terms import take_single_terms
+from hybond.engine.mode.nonlinear.single_terms import take_single
 
 MANY: Final = 32
 """Unknowns from which on factors are sparse: of fewer, dense ones are as quick."""
@@ -40,7 +40,7 @@ def sparse_step(e: Engine, n: int) -> bool:
     solve_sparse(work.newton_factors, work.factoring, work.residual.at, work.step.at)
     if not all_finite(n, work.step.at):
         return False
-    take_single_terms(e, n)
+    take_single(e, n, True)
     return True
 
 
