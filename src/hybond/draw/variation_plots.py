@@ -35,7 +35,6 @@ def plot_sensitivities(
     Parameters
     ----------
     found : Sensitivities
-    names : sequence of str
     path : path, optional
         Write the figure there too, in the format of its ending.
     """
