@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_places
 from hybond.engine.algebra.rounding import EPSILON, UNDERFLOW
 from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.jump_balance import PART
@@ -95,8 +96,7 @@ def hold_step(e: Engine) -> None:
     elif c.strayed == math.inf:
         c.strayed = e.t
         c.strayed_by = most_moved(e)
-        for k in range(m.machines):
-            c.strayed_state[k] = e.mode.state[k]
+        copy_places(m.machines, e.mode.state, 0, c.strayed_state, 0)
 
 
 def tell_balance(e: Engine) -> None:
@@ -131,8 +131,7 @@ def hold_apart_rates(e: Engine, bound: float) -> None:
     refusal = e.refusal
     hold_guess(e, e.mode)
     for j in range(e.states):
-        for k in range(e.states):
-            c.beside[k] = s.y1[k]
+        copy_floats(e.states, s.y1, c.beside)
         shift = tolerance_of(e, j)
         c.beside[j] += shift
         known = known and field(e, e.mode, s.t1, c.beside, c.rate) == OK

@@ -6,7 +6,13 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places, spread_rows
-from hybond.engine.algebra.products import largest, times_matrix, times_orthonormal
+from hybond.engine.algebra.products import (
+    copy_floats,
+    copy_part,
+    largest,
+    times_matrix,
+    times_orthonormal,
+)
 from hybond.engine.algebra.qr import complement
 from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, svd
 from hybond.engine.constraints.constraints import constraint_by_co_energy, residual
@@ -48,8 +54,7 @@ def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
         if d < 0:
             continue
         for p in range(m.dynamic_free[d], m.dynamic_free[d + 1]):
-            for j in range(frees):
-                w.row.at[rows * frees + j] = mode.power_free.at[m.free_column[p] * frees + j]
+            copy_part(frees, mode.power_free.at, m.free_column[p] * frees, w.row.at, rows * frees)
             rows += 1
         if m.dynamic_free[d] == m.dynamic_free[d + 1]:
             for j in range(frees):
@@ -64,8 +69,7 @@ def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
         if mode.free_sparse:
             spread_rows(mode.free_rows, frees, ways.directions.at)
             return
-        for i in range(n * frees):
-            ways.directions.at[i] = mode.power_free.at[i]
+        copy_floats(n * frees, mode.power_free.at, ways.directions.at)
         return
     room = svd_room(e, max(rows, frees), max(rows, frees))
     fit(w.c, frees * frees)
@@ -205,8 +209,7 @@ def find_shares(e: Engine, ways: Ways, n: int) -> None:
     fit(w.b, many * many)
     fit(w.c, many)
     fit_columns(e, many)
-    for i in range(many * ways.areas):
-        w.a.at[i] = ways.moving.at[i]
+    copy_floats(many * ways.areas, ways.moving.at, w.a.at)
     ways.shares = complement(many, ways.areas, w.a.at, w.c.at, w.column.at, w.b.at)
     fit(ways.share, n * ways.shares)
     times_orthonormal(n, many, ways.shares, ways.directions.at, w.b.at, ways.share.at)

@@ -17,6 +17,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.algebra.sparse_lu import (
     add_term,
     begin_system,
@@ -209,8 +210,7 @@ def sparse_step(e: Engine, ways: Ways, count: int) -> None:
     fit(w.sent, ways.many)
     for a in range(ways.areas):
         w.sides.at[a] = 0.0
-    for i in range(count):
-        w.sides.at[ways.areas + i] = w.gap.at[i]
+    copy_part(count, w.gap.at, 0, w.sides.at, ways.areas)
     solve_sparse(ways.solver, w.factoring, w.sides.at, w.found.at)
     for a in range(ways.areas):
         w.step.at[a] = ways.extent.at[a] * w.found.at[a]
@@ -232,5 +232,4 @@ def sparse_shares(e: Engine, ways: Ways, k: int, count: int) -> None:
     if a < ways.moves_first.at[k + 1]:
         w.sides.at[a] = ways.extent.at[a]
     solve_transposed(ways.solver, w.factoring, w.sides.at, w.found.at)
-    for i in range(count):
-        w.row_size.at[i] = w.found.at[ways.areas + i]
+    copy_part(count, w.found.at, ways.areas, w.row_size.at, 0)

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
-from hybond.engine.algebra.products import times_matrix
+from hybond.engine.algebra.products import copy_part, times_matrix
 from hybond.engine.algebra.svd import pseudo_inverse, rank_above, svd
 from hybond.engine.answers import value
 from hybond.engine.constraints.impulse_ways import impulse_directions
@@ -102,8 +102,7 @@ def find_common(e: Engine) -> int:
     for h in range(s.holders):
         own = some(e.modes[s.holder[h]]).ways
         for i in range(n):
-            for j in range(own.many):
-                e.work.onto.at[i * many + first + j] = own.directions.at[i * own.many + j]
+            copy_part(own.many, own.directions.at, i * own.many, e.work.onto.at, i * many + first)
         first += own.many
     fit(s.moves, m.storages * many)
     put_moves(e, many, e.work.onto.at, s.moves.at)

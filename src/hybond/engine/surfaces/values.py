@@ -23,19 +23,15 @@ def set_values(e: Engine, mode: Mode, v: Floats, t: float, x: Floats, s: Floats)
     """Write all but bond variables; the a priori copy is left alone."""
     m = e.model
     set_time(e, v, t)
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
-    for k in range(m.storages):
-        v[m.stored_slot + k] = x[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = s[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
+    copy_part(m.storages, x, 0, v, m.stored_slot)
+    copy_part(m.integrals, s, 0, v, m.signal_slot)
 
 
 def set_state(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> None:
     """Write all but bond variables, the state being stored quantities, then signals."""
     m = e.model
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
     set_motion(e, v, t, y)
 
 
@@ -43,10 +39,8 @@ def set_motion(e: Engine, v: Floats, t: float, y: Floats) -> None:
     """Write what changes while time passes in a mode, but bond variables."""
     m = e.model
     set_time(e, v, t)
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = y[m.storages + k]
+    copy_part(m.storages, y, 0, v, m.stored_slot)
+    copy_part(m.integrals, y, m.storages, v, m.signal_slot)
 
 
 def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
@@ -116,6 +110,5 @@ def begin_field(e: Engine, mode: Mode) -> None:
     e.standing.some = False
     for k in range(2 * m.slots):
         e.v[k] = 0.0
-    for k in range(m.switches + m.state_first[m.machines]):
-        e.v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, e.v, m.on_slot)
     put_limits(e, mode, e.v)

@@ -10,6 +10,8 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, grow_block, grow_places
 from hybond.engine.algebra.products import (
+    copy_floats,
+    copy_part,
     largest,
     times_cancelling,
     times_orthonormal,
@@ -85,8 +87,7 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
     if rows > 0:
         fit(p.basis, n * many)
         fit(p.taken, many * n)
-        for i in range(n * many):
-            p.basis.at[i] = freedom[i]
+        copy_floats(n * many, freedom, p.basis.at)
         times_cancelling(rows, n, many, w.a.at, freedom, w.b.at)
         pseudo_inverse(d, rows, many, w.b.at, MOVED, w.c.at)
         clear_rounding(many * rows, w.c.at)
@@ -96,8 +97,7 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
         left = null_space(d, rows, many, w.b.at, RANK, w.c.at)
         times_orthonormal(n, many, left, freedom, w.c.at, p.basis2.at)
     else:
-        for i in range(n * many):
-            p.basis2.at[i] = freedom[i]
+        copy_floats(n * many, freedom, p.basis2.at)
     if left == 0:
         return
     # second stage: the undetermined bonds
@@ -105,8 +105,7 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
     bonds = 0
     for k in range(n):
         if is_undetermined(n, many, freedom, k):
-            for i in range(left):
-                w.b.at[bonds * left + i] = p.basis2.at[k * left + i]
+            copy_part(left, p.basis2.at, k * left, w.b.at, bonds * left)
             bonds += 1
     if bonds == 0:
         return

@@ -14,7 +14,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.damped import damped
@@ -99,15 +99,13 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
     part = FIRST_PART
     rests = False
     for _ in range(TRIES):
-        for j in range(frees):
-            work.begun.at[j] = r[j]
+        copy_floats(frees, r, work.begun.at)
         aid = work.aid
         if rests or is_small(e, mode, r):
             work.aid = 0.0
             if damped(e, mode, v, r, tolerance):
                 return True
-            for j in range(frees):
-                r[j] = work.begun.at[j]
+            copy_floats(frees, work.begun.at, r)
         if aid < WEAKEST * first:
             return False
         work.aid = part * aid
@@ -116,8 +114,7 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             part = max(part * part, LEAST_PART)
         else:
             rests = False
-            for j in range(frees):
-                r[j] = work.begun.at[j]
+            copy_floats(frees, work.begun.at, r)
             work.aid = aid
             part = math.sqrt(part)
             if part > NO_PART:

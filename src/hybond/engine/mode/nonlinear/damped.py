@@ -12,7 +12,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton_step import newton_step
@@ -76,8 +76,7 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
         part = 1.0
         if not last:
             fit(work.slopes_there, rows * frees)
-            for i in range(rows * frees):
-                work.slopes_there.at[i] = work.jacobian.at[i]
+            copy_floats(rows * frees, work.jacobian.at, work.slopes_there.at)
             part = 2.0 if halves and helps(e, mode, v, r, rows, 2.0) else 0.0
             if part == 0.0:
                 part = helpful_part(e, mode, v, r, rows)
@@ -132,8 +131,7 @@ def rounding_weighs(e: Engine, rows: int, frees: int) -> bool:
     fit(work.trial, frees)
     fit(work.jacobian2, rows * frees)
     fit_places(work.pivots, rows)
-    for i in range(rows * frees):
-        work.jacobian2.at[i] = work.slopes_there.at[i]
+    copy_floats(rows * frees, work.slopes_there.at, work.jacobian2.at)
     if lu_factor(rows, work.jacobian2.at, work.pivots.at) == SINGULAR:
         return False
     for j in range(frees):
@@ -178,8 +176,7 @@ def helps(e: Engine, mode: Mode, v: Floats, r: Floats, rows: int, part: float) -
     system(e, mode, v, work.w)
     if not all_finite(rows, work.residual.at):
         return False
-    for i in range(rows * frees):
-        work.jacobian.at[i] = work.slopes_there.at[i]
+    copy_floats(rows * frees, work.slopes_there.at, work.jacobian.at)
     newton_step(e, rows, frees)
     most = 1.0 - 0.5 * part if part <= 1.0 else TWICE
     return weighted(e, frees, work.step.at) <= most * length
