@@ -272,9 +272,7 @@ def make_work(m: Model) -> Work:
     w.finite = make_elimination(n, n + knowns)
     w.built = w.power
     w.table = make_elimination(m.storages, knowns)
-    w.weighed = False
     w.plain = make_rows()
-    w.steady_known = False
     w.steady = make_elimination(n, n + knowns)
     w.steady_table = make_elimination(m.storages, knowns)
     w.at_start = floats(2 * m.slots)
@@ -311,15 +309,8 @@ def make_work(m: Model) -> Work:
     w.left_over = make_block(1)
     w.trial = make_block(1)
     w.swung = make_block(1)
-    w.swings = 0
-    w.flat_sides = False
-    w.flat_about = False
     w.kind_beside = floats(max(m.classes, 1))
-    w.in_step = False
     w.kept_at_corner = make_places(1)
-    w.holds_rows = False
-    w.takes_rounding = False
-    w.met_rounding = False
     w.slopes_there = make_block(1)
     w.rounded = make_block(1)
     w.residual = make_block(1)
@@ -340,7 +331,6 @@ def make_work(m: Model) -> Work:
     w.pivot_row = make_places(1)
     w.row_taken = make_places(1)
     w.reluctant = ints(n)
-    w.bends = False
     w.moved = make_block(1)
     w.begun = make_block(1)
     w.led = make_block(1)

@@ -31,7 +31,7 @@ from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.mode.nonlinear.newton import knowns_of
 from hybond.engine.mode.nonlinear.put_back import NEAR
 from hybond.engine.mode.rows.storage import own_stiffness, with_stored
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.reasons.noting import BALANCE, MOVES, note_in_state, note_violation
 from hybond.engine.reasons.warned import MADE_BY_STEPS, add_about, begin_warning
 from hybond.engine.surfaces.values import field
@@ -216,9 +216,7 @@ def hold_rates(e: Engine) -> None:
         return
     for k in range(m.storages):
         at = rate_bond(m, k)
-        shown = c.v[m.bond_slot + at]
-        if m.storage_kind[k] == 0 and m.storage_sign[k] < 0:
-            shown = -shown
+        shown = way_of_rate(m, k) * c.v[m.bond_slot + at]
         off = math.fabs(e.step.f[k] - shown)
         may = PART * math.fabs(shown) + NEAR * c.largest[m.bond_class[at]] + UNDERFLOW
         if off <= may:

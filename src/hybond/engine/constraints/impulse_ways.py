@@ -27,7 +27,7 @@ from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.nonlinear.dynamic_rows import frozen_at
 from hybond.engine.mode.rows.storage import own_stiffness, stiff, with_stored
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.words import Floats
 
 SEEN: Final = 1e-3
@@ -92,7 +92,7 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     fit(w.rate_part, m.storages * many)
     for k in range(m.storages):
         at = rate_bond(m, k)
-        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+        sign = way_of_rate(m, k)
         for j in range(many):
             w.rate_part.at[k * many + j] = sign * ways.directions.at[at * many + j]
     # the combinations of impulses that move the state

@@ -29,7 +29,7 @@ from hybond.engine.algebra.sparse_lu import (
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.rows.storage import own_stiffness, stiff, with_stored
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.words import Floats
 
 FEW: Final = 32
@@ -173,7 +173,7 @@ def give_impulses(e: Engine, mode: Mode) -> None:
     for a in range(ways.areas):
         k = ways.moved.at[a]
         row = rate_bond(e.model, k)
-        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+        sign = way_of_rate(m, k)
         add_term(ways.solver, a, ways.extent.at[a])
         for i in range(rows.first.at[row], rows.first.at[row + 1]):
             own = ways.areas + rows.column.at[i]

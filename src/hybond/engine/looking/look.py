@@ -81,7 +81,6 @@ def make_look(e: Engine) -> Look:
     l.meters = make_ask(m)
     l.points = Points()
     l.y = floats(e.states)
-    l.past = 0.0
     l.vanishing = ints(m.slots)
     ask_for_powers(m, l.meters)
     return l

@@ -21,7 +21,6 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.branch import (
-    begin_at_root,
     forget_points,
     groups_of,
     know,
@@ -72,7 +71,7 @@ def begin_to_follow(e: Engine, again: bool) -> None:
     b = mode.branch
     if e.root_given or e.root_known != 0.0:
         # what another run hands on, or what was followed before an event
-        begin_at_root(mode, e.root_before if again and e.root_given else e.root_now)
+        keep_guess(mode, e.root_before if again and e.root_given else e.root_now)
     e.root_given = False
     e.root_known = 0.0
     # what a run moves by that is unsound already is nothing to follow

@@ -19,7 +19,7 @@ from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.rows.storage import energy_of
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.surfaces.common_space import (
@@ -99,8 +99,7 @@ def do_meet(e: Engine) -> bool:
                 return False
             for k in range(m.storages):
                 at = rate_bond(m, k)
-                negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-                s.rates[k] = -e.work.w[at] if negative else e.work.w[at]
+                s.rates[k] = way_of_rate(m, k) * e.work.w[at]
             if not can_keep(e, s.v, s.rates):
                 return False
     return how != NEVER

@@ -18,7 +18,7 @@ from hybond.engine.reasons.warned import (
     add_about,
     begin_warning,
 )
-from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, speed_of
+from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, put_sides, speed_of
 from hybond.engine.surfaces.blend import blend
 from hybond.engine.surfaces.outputs import show_state
 
@@ -92,18 +92,6 @@ def warn_of_ways(e: Engine) -> None:
     for j in range(s.k):
         add_about(e.warned, float(s.side[j]))
         add_about(e.warned, float(s.best[j]))
-
-
-def put_sides(e: Engine, number: int) -> int:
-    """Put the sides of a choice, by its number, into ``trial_side``; return how many slide."""
-    s = e.slide
-    slides = 0
-    for j in range(s.k):
-        p = s.k - 1 - j
-        s.trial_side[p] = number % 3
-        number = number // 3
-        slides += 1 if s.trial_side[p] == SLIDES else 0
-    return slides
 
 
 def is_known_way(e: Engine, many: int) -> bool:

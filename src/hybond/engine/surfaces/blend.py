@@ -16,7 +16,7 @@ from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.nonlinear.newton_system import write_bonds
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.mode.solving import solve
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.common_space import keep_to_all
@@ -49,8 +49,7 @@ def solve_part(e: Engine, part: int, v: Floats, rates: Floats, at: int, kept: bo
         return NOT_FINITE
     for k in range(m.storages):
         bond = rate_bond(m, k)
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-        s.rates[k] = -e.work.w[bond] if negative else e.work.w[bond]
+        s.rates[k] = way_of_rate(m, k) * e.work.w[bond]
     if s.common and kept:
         copy_floats(2 * m.bonds, e.work.w, s.w)
         keep_to_all(e, v, s.w, s.rates)

@@ -18,7 +18,7 @@ from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton import knowns_of
 from hybond.engine.mode.rows.storage import stiff
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, some
 
@@ -142,7 +142,7 @@ def put_moves(e: Engine, many: int, directions: Floats, moves: Floats) -> None:
     m = e.model
     for k in range(m.storages):
         at = rate_bond(m, k)
-        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+        sign = way_of_rate(m, k)
         for j in range(many):
             moves[k * many + j] = sign * directions[at * many + j]
 

@@ -13,7 +13,7 @@ from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.agreement import check_agreement
 from hybond.engine.mode.reading import rates_by_knowns
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.surfaces.averages import blended_field, solve_here
 from hybond.engine.words import Floats
@@ -88,12 +88,12 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         w = e.work.w
         for k in range(m.storages):
             at = rate_bond(m, k)
-            negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+            way = way_of_rate(m, k)
             total = w[at]
             if mode.closely:
                 total = rate_twofold(e, mode, at, w)
-                e.rate_rest[k] = -e.work.over if negative else e.work.over
-            rate[k] = -total if negative else total
+                e.rate_rest[k] = way * e.work.over
+            rate[k] = way * total
         for i in range(mode.signals.many if mode.closely else 0):
             b = mode.signals.bond[i]
             v[m.bond_slot + b] = rate_closely(e, mode, b, w)

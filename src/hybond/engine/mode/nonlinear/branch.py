@@ -45,13 +45,6 @@ def begin_on_branch(e: Engine, mode: Mode, t: float) -> None:
     mode.guessed = True
 
 
-def begin_at_root(mode: Mode, root: Floats) -> None:
-    """Let Newton's method begin at these bond variables."""
-    for j in range(mode.finite_frees):
-        mode.guess.at[j] = root[mode.free_column[j]]
-    mode.guessed = True
-
-
 def forget_points(mode: Mode) -> None:
     """Follow none."""
     mode.branch.known = False

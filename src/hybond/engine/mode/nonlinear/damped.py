@@ -15,7 +15,7 @@ from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.nonlinear.newton_step import newton_step
+from hybond.engine.mode.nonlinear.newton_step import TOLERANCE, newton_step
 from hybond.engine.mode.nonlinear.newton_system import (
     LAST_PLACES,
     is_zero,
@@ -39,7 +39,7 @@ SHORTEST: Final = 2.0**-30
 """The smallest part of a step that is tried."""
 
 
-def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
+def damped(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Go from `r` to a root; False if none is found."""
     work = e.work
     n = 2 * e.model.bonds
@@ -69,7 +69,7 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             step = math.fabs(work.step.at[j])
             work.whole.at[j] = work.step.at[j]
             work.weight.at[j] = max(work.weight.at[j], max(math.fabs(r[j]), step))
-            small = small and step <= tolerance * size
+            small = small and step <= TOLERANCE * size
             last = last and step <= SETTLED * math.fabs(r[j])
         last = last and small
         halves = is_half(frees, work.step.at, work.before.at)

@@ -69,10 +69,6 @@ def make_branch() -> Branch:
     """Return none."""
     b = Branch()
     b.several = UNKNOWN
-    b.known = False
-    b.ended = False
-    b.points = 0
-    b.basis = 0
     b.when = make_block(1)
     b.root = make_block(1)
     b.own = make_block(1)

@@ -153,11 +153,11 @@ def from_nothing_known(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     with_free(mode, n, e.work.base, r, e.work.w)
     rows = system(e, mode, v, e.work.w)
     if not all_finite(rows, e.work.residual.at):
-        found = from_neighbours(e, mode, v, r, TOLERANCE)
+        found = from_neighbours(e, mode, v, r)
     else:
-        found = damped(e, mode, v, r, TOLERANCE)
-        found = found or continued(e, mode, v, r, TOLERANCE)
-    found = found or led_up(e, mode, v, r, TOLERANCE)
+        found = damped(e, mode, v, r)
+        found = found or continued(e, mode, v, r)
+    found = found or led_up(e, mode, v, r)
     return found or enclosed(e, mode, v, r, 0.0)
 
 
@@ -360,7 +360,7 @@ def from_swings(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
 def shorter_steps(e: Engine, mode: Mode, v: Floats, r: Floats, begin: Floats) -> bool:
     """Take shorter steps from `begin`."""
     copy_floats(mode.finite_frees, begin, r)
-    return damped(e, mode, v, r, TOLERANCE)
+    return damped(e, mode, v, r)
 
 
 def by_held_rows(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
@@ -379,7 +379,7 @@ def by_held_rows(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         if not all_finite(rows, e.work.residual.at):
             return False
         e.work.holds_rows = True
-        found = damped(e, mode, v, r, TOLERANCE)
+        found = damped(e, mode, v, r)
         e.work.holds_rows = False
         if not found:
             return False
@@ -460,7 +460,7 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
     slopes_at(e, mode, v, e.work.slopes)
     fit(e.work.row, mode.finite_frees)
     for i in range(mode.dynamics):
-        by_free(mode, n, e.work.slopes.at, i * n, 0, e.work.row.at)
+        by_free(mode, n, e.work.slopes.at, i * n, e.work.row.at)
         steep = not all_finite(mode.finite_frees, e.work.row.at)
         if steep or not math.isfinite(dynamic_value(e, mode, i, v)):
             d = mode.dynamic[i]
