@@ -14,7 +14,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, fit, fit_places, make_block, make_places
-from hybond.engine.algebra.products import copy_floats, copy_part, times_matrix
+from hybond.engine.algebra.products import copy_floats, copy_part, largest, times_matrix
 from hybond.engine.algebra.svd import Svd, null_space
 from hybond.engine.complementarity.lcp import SOLVED, Lcp, make_lcp
 from hybond.engine.complementarity.lemke import lemke
@@ -293,9 +293,7 @@ def inside_bounds(n: int, free: int, x: Shares) -> bool:
 
 def note_touched(n: int, many: int, basis: Floats, x: Shares) -> None:
     """Note the values that a basis moves as open."""
-    most = 0.0
-    for i in range(n * many):
-        most = max(most, math.fabs(basis[i]))
+    most = largest(n * many, basis)
     for k in range(n):
         for j in range(many):
             own = math.fabs(basis[k * many + j])

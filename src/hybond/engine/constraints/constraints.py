@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
-from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part, largest_part
 from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
@@ -182,7 +182,7 @@ def follow_moduli(e: Engine, mode: Mode, v: Floats) -> None:
     n = 2 * m.bonds
     frees = mode.power_frees
     for k in range(n):
-        if largest_in(frees, mode.power_free.at, mode.same[k] * frees) == 0.0:
+        if largest_part(frees, mode.power_free.at, mode.same[k] * frees) == 0.0:
             v[m.bond_slot + k] = w.base[k]
     frozen_at(e, mode, v, w.refrozen)
     moved = False
@@ -194,14 +194,6 @@ def follow_moduli(e: Engine, mode: Mode, v: Floats) -> None:
                 w.frozen.at[row + k] = w.refrozen.at[row + k]
     if moved:
         turn_left(e, mode)
-
-
-def largest_in(n: int, a: Floats, at: int) -> float:
-    """Return the largest of so many numbers from `at` on."""
-    most = 0.0
-    for k in range(n):
-        most = max(most, math.fabs(a[at + k]))
-    return most
 
 
 def turn_left(e: Engine, mode: Mode) -> None:

@@ -10,6 +10,7 @@ from hybond.engine.algebra.products import (
     copy_floats,
     copy_part,
     largest,
+    largest_part,
     times_matrix,
     times_orthonormal,
 )
@@ -164,9 +165,7 @@ def invert_slope(e: Engine, ways: Ways, count: int) -> None:
 
 def size_by_entries(size: Floats, ways: Ways, i: int) -> None:
     """Let row i of the slope be measured by its largest entry."""
-    most = 0.0
-    for a in range(ways.areas):
-        most = max(most, math.fabs(ways.slope.at[i * ways.areas + a]))
+    most = largest_part(ways.areas, ways.slope.at, i * ways.areas)
     size[i] = most if most > 0.0 else 1.0
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
-from hybond.engine.algebra.products import copy_floats, copy_places
+from hybond.engine.algebra.products import copy_floats, copy_places, largest
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.instant.instant import (
     CONTINUOUS,
@@ -122,9 +121,7 @@ def write_transitions(e: Engine, i: Instant, collapsed: bool) -> None:
 def note_collapse(e: Engine, i: Instant) -> None:
     """Note the step in which jumps back and forth end, with all their impulses."""
     s = e.slide
-    most = 0.0
-    for b in range(2 * e.model.bonds):
-        most = max(most, math.fabs(s.impulses[b]))
+    most = largest(2 * e.model.bonds, s.impulses)
     for b in range(2 * e.model.bonds):
         if s.impulses[b] != 0.0:
             note_hit(i, b, s.impulses[b], NO_IMPULSE * most)

@@ -9,6 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_block
+from hybond.engine.algebra.products import largest
 from hybond.engine.engine import OK, Engine
 from hybond.engine.reasons.warned import (
     NO_WAY_ON,
@@ -109,9 +110,7 @@ def is_known_way(e: Engine, many: int) -> bool:
 def is_clear(e: Engine) -> bool:
     """Whether a way leaves its surfaces at a speed that is more than rounding."""
     s = e.slide
-    most = 0.0
-    for i in range(s.parts * s.k):
-        most = max(most, math.fabs(s.part_speed[i]))
+    most = largest(s.parts * s.k, s.part_speed)
     for j in range(s.k):
         if s.trial_side[j] != SLIDES and not math.fabs(speed_of(e, j)) > CLEAR_OF_IT * most:
             return False

@@ -16,7 +16,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
-from hybond.engine.algebra.products import copy_floats, copy_part, times_matrix
+from hybond.engine.algebra.products import copy_floats, copy_part, largest, times_matrix
 from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -316,9 +316,7 @@ def couple_laws(m: Model, p: Ports, c: Coupled) -> None:
                 size += math.fabs(m.pair_value[i]) * terms
             rounded = math.fabs(total) <= CANCELS * size
             c.m.at[k * n + j] = 0.0 if rounded else way * total
-    most = 0.0
-    for i in range(n * n):
-        most = max(most, math.fabs(c.m.at[i]))
+    most = largest(n * n, c.m.at)
     for k in range(n):
         idle = True
         for j in range(n):

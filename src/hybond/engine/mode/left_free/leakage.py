@@ -13,6 +13,7 @@ from hybond.engine.algebra.products import (
     copy_floats,
     copy_part,
     largest,
+    largest_part,
     times_cancelling,
     times_orthonormal,
 )
@@ -53,13 +54,7 @@ def junction_rows(m: Model, mode: Mode, rows: Floats) -> int:
 
 def is_undetermined(n: int, many: int, freedom: Floats, k: int) -> bool:
     """Whether the columns of `freedom`, of n rows, move bond variable k."""
-    largest = 0.0
-    for i in range(n * many):
-        largest = max(largest, math.fabs(freedom[i]))
-    own = 0.0
-    for i in range(many):
-        own = max(own, math.fabs(freedom[k * many + i]))
-    return own > MOVED * largest
+    return largest_part(many, freedom, k * many) > MOVED * largest(n * many, freedom)
 
 
 def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage) -> None:
