@@ -38,8 +38,6 @@ def called(
         A call that fits, for the remedy.
     code : str
         The code of the refusal.
-    kind : type of HybondError
-        Its class.
     options : type, optional
         A typed dictionary whose keys are arguments of the function, too, behind its ``**``.
 

@@ -10,7 +10,11 @@ LONGEST = 200
 """Letters of a name that are compared: a stranger's may have a million."""
 
 
-def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
+NEAREST = 3
+"""Names that are meant at the most."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return a remedy that lists the known names nearest to `name`.
 
     Examples
@@ -27,14 +31,14 @@ def did_you_mean(name: str, known: Iterable[str], *, limit: int = 3) -> str:
     import difflib
 
     choices, name = list(known), str(name)[:LONGEST]
-    near = difflib.get_close_matches(name, choices, n=limit, cutoff=0.6)
+    near = difflib.get_close_matches(name, choices, n=NEAREST, cutoff=0.6)
     # who forgets a capital means the name that is otherwise the same
     same = [c for c in choices if c.lower() == name.lower()]
-    near = list(dict.fromkeys([*same, *near]))[:limit]
+    near = list(dict.fromkeys([*same, *near]))[:NEAREST]
     if not near and len(name) > 2:
         # who knows the first word of a name means what goes on behind it
         near = sorted(c for c in choices if c.startswith((f"{name}_", f"{name}.", f"{name}[")))
-        near = near[:limit]
+        near = near[:NEAREST]
     if near:
         return "did you mean " + ", ".join(repr(n) for n in near) + "?"
     if not choices:

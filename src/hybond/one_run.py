@@ -135,7 +135,6 @@ def made(
         What ends it before its time.
     begin : Beginning or None
         None where the model says.
-    progress : callable or None
     runners : mapping
         What runs each block, by its path.
     until : float, optional

@@ -51,15 +51,11 @@ def account(
 
     Parameters
     ----------
-    graph : FlatGraph
-        The graph.
     work : Assignment
         The strokes. If it has conflicts, they are replaced by those that fixed causes lead to,
         propagated in the order of the nodes.
     off : frozenset of int
         The nodes that are OFF.
-    pins : mapping
-        The pinned bonds.
     unknown : frozenset of int
         Nodes that demand nothing.
     """

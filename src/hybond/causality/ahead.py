@@ -51,7 +51,6 @@ def conflicts_ahead(
     graph: FlatGraph,
     start: Mode | None = None,
     *,
-    machines: Iterable[int] | None = None,
     groups: Iterable[Iterable[int]] = (),
     limit: int = LIMIT,
 ) -> ConflictsAhead:
@@ -59,7 +58,7 @@ def conflicts_ahead(
 
     Parameters
     ----------
-    graph, start, machines, limit
+    graph, start, limit
         As in `reachable`.
     groups : iterable of iterables of int
         Machines that have to do with one another (those of one region of dynamic causality,
@@ -85,7 +84,7 @@ def conflicts_ahead(
     Se V imposes effort on 0-junction rail through 'V -> a', 'a -> rail', and so does Se W through
     'W -> b', 'b -> rail'; switches: s_a = on, s_b = on.
     """
-    looked_at = reachable(graph, start, machines=machines, limit=limit)
+    looked_at = reachable(graph, start, limit=limit)
     if not looked_at.complete:
         parts = [reachable(graph, start, machines=group, limit=limit) for group in groups]
         looked_at = _union(looked_at, parts)

@@ -83,8 +83,6 @@ def compile_arrays(
 
     Parameters
     ----------
-    graph : FlatGraph
-        The graph.
     unknown : collection of int
         Nodes that demand nothing, as if they were resistors.
     switched : collection of int

@@ -22,8 +22,6 @@ def assign(graph: FlatGraph, mode: Mode, *, pins: Mapping[int, int] | None = Non
 
     Parameters
     ----------
-    graph : FlatGraph
-        The flat graph.
     mode : tuple of int
         The state of each machine.
     pins : mapping, optional

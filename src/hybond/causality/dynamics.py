@@ -87,8 +87,6 @@ def dynamics(
 
     Parameters
     ----------
-    graph : FlatGraph
-        The graph.
     reference : Reference, optional
         The mode to compare with; without it `reference_mode` finds it.
     arrays : Arrays, optional

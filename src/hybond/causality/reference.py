@@ -74,8 +74,6 @@ def reference_mode(
 
     Parameters
     ----------
-    graph : FlatGraph
-        The graph.
     mode : tuple of int, optional
         The reference mode if the user gives one; without it that of the graph, if it has one.
     pins : mapping, optional

@@ -88,8 +88,6 @@ def fits(run: Result, tangents: Sequence[Tangent]) -> list[Fit]:
     ----------
     run : Result
         Of the model of a conversion.
-    tangents : sequence of Tangent
-        Its ``diodes``.
 
     Examples
     --------

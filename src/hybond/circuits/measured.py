@@ -79,8 +79,6 @@ def measure(run: Result, wanted: Sequence[Wanted]) -> dict[str, float | None]:
     ----------
     run : Result
         Of the model of a conversion.
-    wanted : sequence of Wanted
-        Its ``measures``.
 
     Examples
     --------

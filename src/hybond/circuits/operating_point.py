@@ -49,7 +49,6 @@ def operating_point(
 
     Parameters
     ----------
-    leaves : sequence of Leaf
     numbers, shown : nodes by key, and their names
     forced : sequence of (node, voltage, line)
         What ``.ic`` holds until t = 0.

@@ -20,11 +20,6 @@ if TYPE_CHECKING:
 def read_model(file: str, current: str | None = None) -> tuple[Model, Conversion | None]:
     """Return the model of a model file or netlist; of a netlist its conversion, too.
 
-    Parameters
-    ----------
-    current : str or None
-        Of ``--diode-current``.
-
     Raises
     ------
     HybondError

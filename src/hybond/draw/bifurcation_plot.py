@@ -29,15 +29,10 @@ def draw_bifurcation(
     Parameters
     ----------
     diagram : Bifurcation
-    signal : str
     windows : bool
         Whether the windows of the first branch are named, and every second one is shaded.
     path : path, optional
         Write the figure to this file too.
-
-    Returns
-    -------
-    Figure
     """
     figure = new_figure((7.4, 4.6), interactive=path is None)
     ax = figure.add_axes((0.11, 0.12, 0.86, 0.72))

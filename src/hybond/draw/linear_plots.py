@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
-from hybond.draw.plots import COLOURS, new_figure, write_figure
+from hybond.draw.plots import COLOURS, new_figure, write_figure, write_panels
 from hybond.draw.scales import axis_scale, plain_axes, printed, time_scale
 
 if TYPE_CHECKING:
@@ -163,11 +163,7 @@ def plot_step(step: Any, *, title: str, path: str | Path | None = None) -> Figur
             for text, name in zip(legend.get_texts(), units, strict=True):
                 text.set_parse_math(False)
                 text.set_text(shorten(f"step of {name}", 8.5, 150.0))
-    for ax in panels[:-1]:
-        ax.tick_params(axis="x", labelbottom=False)
-    panels[-1].set_xlabel(f"time [{seconds}]", fontsize=9.5)
-    figure.align_ylabels(list(panels))
-    return write_figure(figure, path)
+    return write_panels(figure, panels, seconds, path)
 
 
 def plot_poles(

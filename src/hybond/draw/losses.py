@@ -32,10 +32,6 @@ def plot_losses(result: Any, *, path: Any = None, depth: int | None = None) -> F
         Write the figure to this file too.
     depth : int, optional
         Add up submodels.
-
-    Returns
-    -------
-    Figure
     """
     curves = energy_curves(result, window_of(result), depth=depth)
     ranked = sorted(curves.losses, key=lambda n: -float(np.max(np.abs(curves.losses[n]))))

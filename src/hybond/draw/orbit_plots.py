@@ -136,7 +136,6 @@ def plot_continuation(
     Parameters
     ----------
     found : Continuation
-    signal : str
     what : str
         One of `WHAT`.
     value_of : callable

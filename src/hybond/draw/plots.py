@@ -147,6 +147,17 @@ def write_figure(figure: Figure, path: str | Path | None) -> Figure:
     return figure
 
 
+def write_panels(
+    figure: Figure, panels: Sequence[Axes], seconds: str, path: str | Path | None
+) -> Figure:
+    """Do the same with panels one above the other, which have the time below the last one."""
+    for ax in panels[:-1]:
+        ax.tick_params(axis="x", labelbottom=False)
+    panels[-1].set_xlabel(f"time [{seconds}]", fontsize=9.5)
+    figure.align_ylabels(list(panels))
+    return write_figure(figure, path)
+
+
 def _stacked(
     result: Any, groups: Sequence[Panel], factor: float, time_label: str, *, interactive: bool
 ) -> Figure:

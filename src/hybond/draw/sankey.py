@@ -30,8 +30,6 @@ def draw_sankey(losses: Losses, *, title: str = "", path: Any = None) -> Figure:
 
     Parameters
     ----------
-    losses : Losses
-    title : str
     path : path, optional
         Write the figure to this file too.
 

@@ -69,7 +69,6 @@ def draw_schematic(
 
     Parameters
     ----------
-    model : Model
     positions : mapping of name to (x, y)
         Where elements stand, in grid cells; by default where `Model.layout` puts them, the others
         where a layout finds room.

@@ -24,14 +24,8 @@ def draw_map(table: Any, found: OutcomeMap, *, path: Any = None) -> Figure:
     Parameters
     ----------
     table : SweepTable
-    found : OutcomeMap
-        Of it.
     path : path, optional
         Write the figure to this file too.
-
-    Returns
-    -------
-    Figure
     """
     figure = new_figure((7.4, 4.4), interactive=path is None)
     ax = figure.add_axes((0.11, 0.12, 0.58, 0.76))
@@ -117,10 +111,6 @@ def draw_family(table: Any, found: Spread, *, path: Any = None) -> Figure:
         Of one of its curves.
     path : path, optional
         Write the figure to this file too.
-
-    Returns
-    -------
-    Figure
     """
     low, lower, median, upper, high = found.bands
     factor, time_label = axis_scale("s", table.job.until, least=0.5)
@@ -157,14 +147,9 @@ def draw_tornado(
     Parameters
     ----------
     table : SweepTable
-    value : str
     rows : list of tuple
         Factor, its lower and upper end, the outcomes there.
     path : path, optional
-
-    Returns
-    -------
-    Figure
     """
     middle = float(np.asarray(table[value], dtype=float)[0])
     figure, ax = _bars(table, f"{value}, from {middle:.5g}", len(rows), path)
@@ -204,13 +189,8 @@ def draw_sobol(table: Any, value: str, found: Any, *, path: Any = None) -> Figur
     Parameters
     ----------
     table : SweepTable
-    value : str
     found : SobolIndices
     path : path, optional
-
-    Returns
-    -------
-    Figure
     """
     order = np.argsort(-np.nan_to_num(found.total), kind="stable")
     figure, ax = _bars(table, f"variance of {value}", len(order), path)

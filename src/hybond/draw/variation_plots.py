@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.draw.measure import shorten
-from hybond.draw.plots import COLOURS, event_lines, name_lines, new_figure, write_figure
+from hybond.draw.plots import COLOURS, event_lines, name_lines, new_figure, write_panels
 from hybond.draw.scales import axis_scale, plain_axes
 from hybond.model.unit_words import unit_of
 
@@ -35,7 +35,6 @@ def plot_sensitivities(
     Parameters
     ----------
     found : Sensitivities
-    names : sequence of str
     path : path, optional
         Write the figure there too, in the format of its ending.
     """
@@ -65,7 +64,7 @@ def plot_sensitivities(
             ax.axvspan(found.ends * factor, 1.01 * end * factor, color="#f3f3f3", zorder=0)
     if found.ends is not None:
         _say(figure, f"no derivatives from {found.ends:.6g} s on: {found.why}")
-    return _written(figure, panels, seconds, path)
+    return write_panels(figure, panels, seconds, path)
 
 
 def plot_fit(found: Any, *, path: str | Path | None = None) -> Figure:
@@ -114,7 +113,7 @@ def plot_fit(found: Any, *, path: str | Path | None = None) -> Figure:
             _legend(ax, lines, said)
         _finish(ax, end * factor)
     _say(figure, "   ".join(_values(found)))
-    return _written(figure, panels, seconds, path)
+    return write_panels(figure, panels, seconds, path)
 
 
 def _values(found: Any) -> list[str]:
@@ -183,13 +182,3 @@ def _say(figure: Figure, text: str) -> None:
         _LEFT / _WIDE, 1.0 - 0.45 / height, shorten(text, 8.0, 470.0), fontsize=8.0,
         color="#555555", parse_math=False,
     )  # fmt: skip
-
-
-def _written(
-    figure: Figure, panels: Sequence[Axes], seconds: str, path: str | Path | None
-) -> Figure:
-    for ax in panels[:-1]:
-        ax.tick_params(axis="x", labelbottom=False)
-    panels[-1].set_xlabel(f"time [{seconds}]", fontsize=9.5)
-    figure.align_ylabels(list(panels))
-    return write_figure(figure, path)

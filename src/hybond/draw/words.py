@@ -15,6 +15,7 @@ _LEAST = 260.0
 _MOST = 520.0
 """How far a title may widen the page."""
 _TITLE_LINES = 3
+_CAPTION_LINES = 4
 
 
 def with_words(
@@ -59,13 +60,11 @@ def with_words(
     return Scene(round(wide + 2 * MARGIN, 1), round(bottom, 1), all_groups, title=title)
 
 
-def caption_lines(
-    caption: str, room: float, x: float, y: float, *, most: int = 4
-) -> tuple[list[Mark], float]:
+def caption_lines(caption: str, room: float, x: float, y: float) -> tuple[list[Mark], float]:
     """Return the lines of a caption below `y`, and where the last one ends."""
     size = look("caption").size or 11.0
     marks: list[Mark] = []
-    for line in _wrapped(caption, room, most):
+    for line in _wrapped(caption, room):
         y += size
         marks.append(Text("caption", line, x, y, "start"))
         y += 4.0
@@ -114,8 +113,8 @@ def extent_of(mark: Mark) -> Box:
     return Box(left, mark.y - 0.75 * size, left + wide, mark.y + 0.22 * size)
 
 
-def _wrapped(caption: str, room: float, most: int) -> list[str]:
-    """Break a caption at its commas; what passes `most` lines is cut."""
+def _wrapped(caption: str, room: float) -> list[str]:
+    """Break a caption at its commas; what passes the last line is cut."""
     size = look("caption").size or 11.0
     lines: list[str] = []
     for part in caption.split(", ") if caption else []:
@@ -123,6 +122,6 @@ def _wrapped(caption: str, room: float, most: int) -> list[str]:
             lines[-1] += f", {part}"
         else:
             lines.append(part)
-    if len(lines) > most:
-        lines = [*lines[: most - 1], lines[most - 1] + ", …"]
+    if len(lines) > _CAPTION_LINES:
+        lines = [*lines[: _CAPTION_LINES - 1], lines[_CAPTION_LINES - 1] + ", …"]
     return [shorten(line, size, room) for line in lines]

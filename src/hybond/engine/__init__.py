@@ -13,7 +13,7 @@ one run: the state, the modes known so far, and all room to work in (`work`, and
 reads itself and those above it alone, `run` all of them. Rooms, and in them files::
 
     algebra/
-        blocks, products    arrays that grow, sparse rows; products of matrices
+        blocks, products    arrays that grow, sparse rows; products of matrices, copies, the largest
         twofold             sums and products with twice the digits
         rounding, scaling, separate   what rounding is; powers of two; equations apart
         reached             unknowns that no given value reaches

@@ -18,6 +18,7 @@ from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.expressions.pairs import Stack, make_stack
 from hybond.engine.mode.digits.cluster_records import Cluster, make_cluster
 from hybond.engine.mode.mode_records import Leakage, Ways, make_leakage, make_ways
+from hybond.engine.mode.nonlinear.followed_records import Following, make_following
 from hybond.engine.mode.rows.elimination_records import Elimination, make_elimination
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
@@ -255,6 +256,7 @@ class Work:
     leakage: Leakage
     ways: Ways
     """Impulses that contacts at rest allow."""
+    following: Following
     generic: Floats
     values: Floats
     """Values to try something with."""
@@ -270,9 +272,7 @@ def make_work(m: Model) -> Work:
     w.finite = make_elimination(n, n + knowns)
     w.built = w.power
     w.table = make_elimination(m.storages, knowns)
-    w.weighed = False
     w.plain = make_rows()
-    w.steady_known = False
     w.steady = make_elimination(n, n + knowns)
     w.steady_table = make_elimination(m.storages, knowns)
     w.at_start = floats(2 * m.slots)
@@ -309,15 +309,8 @@ def make_work(m: Model) -> Work:
     w.left_over = make_block(1)
     w.trial = make_block(1)
     w.swung = make_block(1)
-    w.swings = 0
-    w.flat_sides = False
-    w.flat_about = False
     w.kind_beside = floats(max(m.classes, 1))
-    w.in_step = False
     w.kept_at_corner = make_places(1)
-    w.holds_rows = False
-    w.takes_rounding = False
-    w.met_rounding = False
     w.slopes_there = make_block(1)
     w.rounded = make_block(1)
     w.residual = make_block(1)
@@ -338,7 +331,6 @@ def make_work(m: Model) -> Work:
     w.pivot_row = make_places(1)
     w.row_taken = make_places(1)
     w.reluctant = ints(n)
-    w.bends = False
     w.moved = make_block(1)
     w.begun = make_block(1)
     w.led = make_block(1)
@@ -419,6 +411,7 @@ def make_work(m: Model) -> Work:
     w.beside = floats(m.storages)
     w.leakage = make_leakage()
     w.ways = make_ways()
+    w.following = make_following()
     w.generic = floats(2 * m.slots)
     w.values = floats(2 * m.slots)
     w.stack = make_stack()

@@ -17,7 +17,6 @@ def point(graph: FlatGraph, values: Mapping[str, float] | None) -> dict[str, flo
 
     Parameters
     ----------
-    graph : FlatGraph
     values : mapping or None
         By what the model calls them, ``w``, ``c.q``, ``m``, or by canonical names, ``s:0``.
 

@@ -20,8 +20,6 @@ def explain(text: str, at: int, message: str) -> tuple[str, str]:
 
     Parameters
     ----------
-    text : str
-        The whole text.
     at : int
         Where reading stopped, in characters.
     message : str

@@ -267,7 +267,7 @@ def _sum(name: str, rows: Iterable[Row]) -> Row:
     return Row(name, "part", *(sum(getattr(r, c) for r in own) for c in COLUMNS))
 
 
-def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> Losses:
+def losses_of(run: Result, window: Window) -> Losses:
     """Return where the energy of a window came from and where it went.
 
     Elements that neither gave nor took are left out, those on pseudo bonds too: effort times flow
@@ -283,7 +283,7 @@ def losses_of(run: Result, window: Window, *, tolerance: float = TOLERANCE) -> L
     check_located(run)
     graph = run.graph
     nodes = power_nodes(graph)
-    passed = energies_into(run, nodes, window, tolerance=tolerance)
+    passed = energies_into(run, nodes, window, tolerance=TOLERANCE)
     into = dict(zip((n.index for n in nodes), passed.total.tolist(), strict=True))
     book = _Book(graph)
     given = _set_by_script(run, window)

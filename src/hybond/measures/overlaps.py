@@ -39,10 +39,6 @@ def told_of_overlaps(run: Result) -> tuple[str, ...]:
     run : Result
         Any run; nothing is read where no contact has a gap.
 
-    Returns
-    -------
-    tuple of str
-
     Examples
     --------
     >>> import hybond as hb

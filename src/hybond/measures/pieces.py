@@ -224,7 +224,6 @@ def integrable(
 
     Parameters
     ----------
-    functions : callable
     shared : int
         The first of them are measured against the largest of them.
     tolerance : float

@@ -36,10 +36,6 @@ def told_of_undefined(run: Result) -> tuple[str, ...]:
     run : Result
         Any run; only signals whose expression may lack a value are read.
 
-    Returns
-    -------
-    tuple of str
-
     Examples
     --------
     >>> import hybond as hb

@@ -139,7 +139,7 @@ def time_of(value: object, where: str) -> float:
     return float(found.value)
 
 
-def duration_of(value: object, where: str = "period") -> float:
+def duration_of(value: object) -> float:
     """Return a period, s, given as a duration or as a frequency.
 
     Examples
@@ -150,13 +150,13 @@ def duration_of(value: object, where: str = "period") -> float:
     found = try_quantity(value) if isinstance(value, str) else None
     if found is not None and found.dimension == parse_unit("1/s")[1] and found.value > 0.0:
         return 1.0 / found.value
-    length = time_of(value, where)
+    length = time_of(value, "period")
     if not length > 0.0:
-        raise _refused(f"a period of {value!r}", where, "write 2e-5, '20 us' or '50 kHz'")
+        raise _refused(f"a period of {value!r}", "period", "write 2e-5, '20 us' or '50 kHz'")
     return length
 
 
-def frequency_of(value: object, where: str = "f") -> float:
+def frequency_of(value: object) -> float:
     """Return a frequency, Hz, given as one or as a period.
 
     Examples
@@ -173,7 +173,7 @@ def frequency_of(value: object, where: str = "f") -> float:
             return float(found.value)
         if found.dimension == parse_unit("s")[1]:
             return 1.0 / float(found.value)
-    raise _refused(f"{value!r} is not a frequency", where, "write 50, '50 Hz' or '20 ms'")
+    raise _refused(f"{value!r} is not a frequency", "f", "write 50, '50 Hz' or '20 ms'")
 
 
 def _count(value: object) -> int:

@@ -30,7 +30,6 @@ def places_of(
     ----------
     layout : mapping
         As written.
-    scope : Scope
     width : callable
         From the name of an array to how many cells one of its members is wide.
 

@@ -192,7 +192,6 @@ def each(
     ----------
     written : mapping
         Names and arrays to parts.
-    scope : Scope
     section : str
         Which section of the model it is.
     arrays : dict

@@ -34,8 +34,6 @@ def needing_ends(
 
     Parameters
     ----------
-    nodes : sequence of Node
-    bonds : sequence of Bond
     candidates : sequence of int
         Nodes of resistors with one port whose laws have flat ends.
     """

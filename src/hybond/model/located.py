@@ -23,7 +23,6 @@ def locate(error: HybondError, model: Model, overrides: Collection[str] = ()) ->
     ----------
     error : HybondError
         Its `where` is a path in the model: ``elements.S1.r.R``, ``graph.bonds[2]``, ``S1.R_on``.
-    model : Model
     overrides : collection of str
         Paths whose values are not those of the file.
 

@@ -44,7 +44,6 @@ def declared_elsewhere(node: Node, resolver: Resolver, domain: str) -> str | Non
 
     Parameters
     ----------
-    node : Node
     resolver : Resolver
         Of the model, which knows its bonds.
     domain : str

@@ -25,7 +25,6 @@ def written_out(model: Model, *, layout: Mapping[str, Place] | None = None) -> M
 
     Parameters
     ----------
-    model : Model
     layout : mapping of name to (x, y)
         In place of its own.
 

@@ -109,7 +109,7 @@ def _wrong(where: str, why: str, hint: str) -> UsageError:
     return UsageError(f"the script makes no sense: {why}", code="HB-S140", where=where, hint=hint)
 
 
-def unrolled(steps: Sequence[Step], times: int = 1) -> Iterator[Step]:
+def unrolled(steps: Sequence[Step]) -> Iterator[Step]:
     """Yield the steps in the order in which they are done; what a group sets is with its first.
 
     Raises
@@ -123,7 +123,7 @@ def unrolled(steps: Sequence[Step], times: int = 1) -> Iterator[Step]:
     >>> [s.label for s in unrolled([Step(repeat=2, steps=(on, off))])]
     ['on', 'off', 'on', 'off']
     """
-    if times * _many(steps) > MOST:
+    if _many(steps) > MOST:
         raise _wrong("steps", f"more than {MOST} steps are to be done", "repeat fewer of them")
     for step in steps:
         for _ in range(step.repeat):

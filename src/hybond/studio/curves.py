@@ -37,7 +37,6 @@ def curve(run: Result, name: str, t0: float, t1: float, width: int) -> dict[str,
 
     Parameters
     ----------
-    run : Result
     name : str
         A signal, or an expression of signals.
     t0, t1 : float

@@ -43,7 +43,6 @@ def application(session: Session, token: str, names: set[str]) -> Any:
 
     Parameters
     ----------
-    session : Session
     token : str
         What a page must know.
     names : set of str

@@ -52,11 +52,8 @@ def sobol_indices(names: tuple[str, ...], y: Vector, seed: int = 0) -> SobolIndi
 
     Parameters
     ----------
-    names : tuple of str
     y : array, shape (points * (factors + 2),)
         Point by point: of A, of A with one column of B after the other, of B.
-    seed : int
-        Of the resampling.
 
     Notes
     -----

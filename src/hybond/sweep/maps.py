@@ -35,7 +35,6 @@ def map_of(
 
     Parameters
     ----------
-    table : SweepTable
     x, y, value : str
         Columns; the first two hold numbers.
     at : mapping of path to int

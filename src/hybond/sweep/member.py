@@ -79,8 +79,6 @@ def read_outputs(task: Task, run: Result, final: Vector, samples: Vector) -> Hyb
 
     Parameters
     ----------
-    task : Task
-    run : Result
     final : array, shape (outputs,)
         Filled in, as are `samples`.
     samples : array, shape (outputs, times)

@@ -23,8 +23,6 @@ def read_run(
 
     Parameters
     ----------
-    run : Result
-    collectors : sequence of Collector
     graph : FlatGraph
         Of the model that ran.
     modes : bool

@@ -57,7 +57,6 @@ def in_threads(
 
     Parameters
     ----------
-    model : NativeModel
     slots : array of int
         What is looked at.
     t : array

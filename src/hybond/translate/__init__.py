@@ -1,8 +1,8 @@
 """Portable Python, a small typed subset of Python, printed as C99 and as Java.
 
 This page is the definition of the subset. A portable module is ordinary Python: it runs in
-CPython, is checked by mypy, and is tested like any other. `check` says where a module leaves the
-subset; ``python -m hybond.translate check FILE...`` does so in a terminal.
+CPython, is checked by mypy, and is tested like any other. `load` says where a module leaves the
+subset, `effects_of` where the order of evaluation would matter.
 
 Modules
 -------

@@ -66,15 +66,13 @@ class Effects:
         return found
 
 
-def effects_of(program: Program, roots: Iterable[str] = (), *, ordered: bool = True) -> Effects:
+def effects_of(program: Program, roots: Iterable[str] = ()) -> Effects:
     """Return what the functions of a program change.
 
     Parameters
     ----------
     roots : iterable of str
         Functions that are called from outside, where their results may be changed.
-    ordered : bool
-        Whether to look for places where the order of evaluation would matter.
 
     Raises
     ------
@@ -92,11 +90,10 @@ def effects_of(program: Program, roots: Iterable[str] = (), *, ordered: bool = T
                     f"{record.name}.{member.name} is given by the model, and changed",
                     place=record.place,
                 )
-    if ordered:
-        for f in program.functions.values():
-            if f.body is not None:
-                for s in statements(f.body):
-                    _check_order(s, f, found)
+    for f in program.functions.values():
+        if f.body is not None:
+            for s in statements(f.body):
+                _check_order(s, f, found)
     return found
 
 

@@ -95,7 +95,7 @@ def plain(text: str) -> str:
     return text.replace("``", "").replace("`", "").replace("*/", "* /").replace("/*", "/ *")
 
 
-def block_comment(lines: list[str], indent: int = 0, *, opener: str = "/*") -> list[str]:
+def block_comment(lines: list[str], *, opener: str = "/*") -> list[str]:
     r"""Return lines as one comment.
 
     Examples
@@ -106,15 +106,10 @@ def block_comment(lines: list[str], indent: int = 0, *, opener: str = "/*") -> l
      * Two.
      */
     """
-    pad = " " * indent
-    if len(lines) == 1 and len(lines[0]) + indent < WIDTH - 5:
-        return [f"{pad}{opener} {lines[0]} */"]
+    if len(lines) == 1 and len(lines[0]) < WIDTH - 5:
+        return [f"{opener} {lines[0]} */"]
     first, *rest = lines
-    return [
-        f"{pad}{opener} {first}",
-        *(f"{pad} * {line}".rstrip() for line in rest),
-        f"{pad} */",
-    ]
+    return [f"{opener} {first}", *(f" * {line}".rstrip() for line in rest), " */"]
 
 
 def line_comments(texts: tuple[str, ...], indent: int) -> list[str]:

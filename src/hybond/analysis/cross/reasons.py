@@ -103,8 +103,6 @@ def reasons(
         Of the run that has one.
     unique : Uniqueness
         Of the graph in the modes of the runs.
-    compared : Events
-        Of the runs.
     """
     events = [e for run in (a, b) for e in run.trace.events]
     every = [

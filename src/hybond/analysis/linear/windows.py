@@ -26,10 +26,6 @@ def coefficients(run: Result, name: str, window: Window, orders: tuple[int, ...]
     ----------
     orders : tuple of int
         Each k.
-
-    Returns
-    -------
-    array, shape (windows, orders)
     """
     many = int(np.floor(run.t_end / window.length * (1.0 + 1e-12)))
     edges = np.arange(many + 1) * window.length

@@ -40,8 +40,6 @@ def lost_directions(
 
     Parameters
     ----------
-    fields : Fields
-        Of the run.
     sizes : array, shape (n,)
         What states are measured by.
     kept : sequence of int

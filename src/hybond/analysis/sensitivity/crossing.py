@@ -185,6 +185,12 @@ def crossed(
             raise Undetermined(f"{text}: the mode leaves open how what it reads is shared")
         slope = read.at(end.at, bonds)[0, 0]
         speed = float(slope[:n] @ end.f[0, :n] + slope[n])
+    return _crossing(fields, slope, speed, text)
+
+
+def _crossing(fields: Fields, slope: Vector, speed: float, text: str) -> Crossing:
+    """Return how the instant moves at which something crosses zero with a speed."""
+    n = fields.columns.time
     by = np.zeros(fields.size + len(fields.columns.parameters))
     by[:n] = -slope[:n] / speed
     by[fields.size :] = -slope[n + 1 :] / speed
@@ -215,10 +221,7 @@ def _by_weights(fields: Fields, segment: Segment, end: Field) -> list[Crossing]:
         speed = float(slope[:n] @ end.f[0, :n] + slope[n])
         if speed == 0.0:
             raise Undetermined("sliding ends without a weight that passes its end")
-        by = np.zeros(fields.size + len(fields.columns.parameters))
-        by[:n] = -slope[:n] / speed
-        by[fields.size :] = -slope[n + 1 :] / speed
-        found.append(Crossing(by, "the end of sliding"))
+        found.append(_crossing(fields, slope, speed, "the end of sliding"))
     return found
 
 

@@ -106,8 +106,6 @@ def landed(
 
     Parameters
     ----------
-    event : Event
-        The landing.
     flight, rest : Field
         Behind the last impact, and behind the landing.
     impacts : sequence of (int, Jump)

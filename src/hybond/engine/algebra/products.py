@@ -65,6 +65,14 @@ def largest(n: int, a: Floats) -> float:
     return most
 
 
+def largest_part(n: int, a: Floats, at: int) -> float:
+    """Return the same of n numbers from `at` on."""
+    most = 0.0
+    for k in range(n):
+        most = max(most, math.fabs(a[at + k]))
+    return most
+
+
 def all_finite(n: int, a: Floats) -> bool:
     """Whether none of the first n numbers is infinite or not a number."""
     nothing = 0.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.qr import qr_reflect, qr_rotate
 from hybond.engine.words import Floats, Ints
 
@@ -20,16 +21,14 @@ def solve_regular(
     n: int, a: Floats, c: int, b: Floats, x: Floats, room: Floats, scale: Floats, column: Ints
 ) -> bool:
     """Solve ``a x = b`` for the c columns of `b`; False if `a`, n by n, is not clearly regular."""
-    for i in range(n * n):
-        room[i] = a[i]
+    copy_floats(n * n, a, room)
     qr_reflect(n, n, room, scale, column, True)
     first = math.fabs(room[0]) if n > 0 else 0.0
     for k in range(n):
         # one that is no number is not regular either
         if not math.fabs(room[k * n + k]) > REGULAR * first:
             return False
-    for i in range(n * c):
-        x[i] = b[i]
+    copy_floats(n * c, b, x)
     qr_rotate(n, n, room, scale, True, c, x)
     for step in range(n):
         k = n - 1 - step

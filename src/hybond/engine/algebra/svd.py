@@ -11,6 +11,7 @@ full relative accuracy.
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import largest_part
 from hybond.engine.algebra.regular import solve_regular
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.words import Floats, Ints, floats, ints, record
@@ -163,9 +164,7 @@ def null_space(d: Svd, m: int, n: int, a: Floats, tolerance: float, basis: Float
             basis[k * n + k] = 1.0
         return n
     for i in range(m):
-        size = 0.0
-        for j in range(n):
-            size = max(size, math.fabs(a[i * n + j]))
+        size = largest_part(n, a, i * n)
         for j in range(n):
             d.u[j * m + i] = a[i * n + j] / size if size > 0.0 else 0.0
     svd_of_columns(d, m, n)

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_places
 from hybond.engine.algebra.rounding import EPSILON, UNDERFLOW
 from hybond.engine.engine import OK, Engine
 from hybond.engine.instant.jump_balance import PART
@@ -30,7 +31,7 @@ from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.mode.nonlinear.newton import knowns_of
 from hybond.engine.mode.nonlinear.put_back import NEAR
 from hybond.engine.mode.rows.storage import own_stiffness, with_stored
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.reasons.noting import BALANCE, MOVES, note_in_state, note_violation
 from hybond.engine.reasons.warned import MADE_BY_STEPS, add_about, begin_warning
 from hybond.engine.surfaces.values import field
@@ -95,8 +96,7 @@ def hold_step(e: Engine) -> None:
     elif c.strayed == math.inf:
         c.strayed = e.t
         c.strayed_by = most_moved(e)
-        for k in range(m.machines):
-            c.strayed_state[k] = e.mode.state[k]
+        copy_places(m.machines, e.mode.state, 0, c.strayed_state, 0)
 
 
 def tell_balance(e: Engine) -> None:
@@ -131,8 +131,7 @@ def hold_apart_rates(e: Engine, bound: float) -> None:
     refusal = e.refusal
     hold_guess(e, e.mode)
     for j in range(e.states):
-        for k in range(e.states):
-            c.beside[k] = s.y1[k]
+        copy_floats(e.states, s.y1, c.beside)
         shift = tolerance_of(e, j)
         c.beside[j] += shift
         known = known and field(e, e.mode, s.t1, c.beside, c.rate) == OK
@@ -217,9 +216,7 @@ def hold_rates(e: Engine) -> None:
         return
     for k in range(m.storages):
         at = rate_bond(m, k)
-        shown = c.v[m.bond_slot + at]
-        if m.storage_kind[k] == 0 and m.storage_sign[k] < 0:
-            shown = -shown
+        shown = way_of_rate(m, k) * c.v[m.bond_slot + at]
         off = math.fabs(e.step.f[k] - shown)
         may = PART * math.fabs(shown) + NEAR * c.largest[m.bond_class[at]] + UNDERFLOW
         if off <= may:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_places
 from hybond.engine.answers import value
 from hybond.engine.checks.shown import show_at
 from hybond.engine.engine import OK, Engine
@@ -86,10 +87,8 @@ def foresee(e: Engine, top: float) -> None:
     c.at = e.t
     c.beyond = top
     between(e, top, c.ahead)
-    for k in range(e.states):
-        c.since[k] = e.y[k]
-    for k in range(e.model.machines):
-        c.ahead_state[k] = e.state[k]
+    copy_floats(e.states, e.y, c.since)
+    copy_places(e.model.machines, e.state, 0, c.ahead_state, 0)
 
 
 def keep_foreseen(e: Engine, i: Instant) -> None:

@@ -128,8 +128,6 @@ def rows_of(
         `COUNTS`, ``warns`` and ``abouts``.
     copied : callable
         ``copied(name, type, shape)`` returns a column of the log as an array of its own.
-    states, machines, bonds : int
-        Of the model.
     """
     steps, instants, warns = many["steps"], many["instants"], many["warns"]
     powered = steps if many["bond_rows"] else 0

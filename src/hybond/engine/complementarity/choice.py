@@ -6,6 +6,7 @@ path).
 
 import math
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.complementarity.pivoting import REGULAR_PIVOT
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -53,8 +54,7 @@ def complementary_basis(c: Choice, rows: int, wide: int, pairs: int, w: Floats) 
     The columns are in `c.owner`; False if no such choice exists. The largest entry is the pivot and
     takes its pair out; where nothing is left, chosen columns are exchanged for their partners.
     """
-    for k in range(rows * wide):
-        c.table[k] = w[k]
+    copy_floats(rows * wide, w, c.table)
     for i in range(rows):
         c.owner[i] = -1
     for j in range(wide):
@@ -114,8 +114,7 @@ def take_column(c: Choice, rows: int, wide: int, pairs: int, r: int, column: int
         factor = c.column[i]
         for j in range(wide):
             c.table[i * wide + j] -= factor * c.line[j]
-    for j in range(wide):
-        c.table[r * wide + j] = c.line[j]
+    copy_part(wide, c.line, 0, c.table, r * wide)
     c.owner[r] = column
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import rank_above, svd
 from hybond.engine.complementarity.law_roles import (
@@ -87,10 +88,8 @@ def solve_without_held(p: LawProblem, start: Ints) -> bool:
         p.inner_start[i] = start[one]
         # solve_one_sided lists pairs in the same places
         p.place[i] = one
-    for i in range(many):
-        p.place[free + i] = p.held[i]
-    for k in range(many * wide):
-        p.kept[k] = p.into[k]
+    copy_places(many, p.held, 0, p.place, free)
+    copy_floats(many * wide, p.into, p.kept)
     if not inner_solved(p, free):
         p.lcp.proved = p.lcp.proved and not tied
         return False
@@ -197,8 +196,7 @@ def write_laws(p: LawProblem, pairs: int, moved: Floats, held: Floats) -> None:
             x.whole[at + k] = 1.0
             row += 1
         elif role == SHUT:
-            for j in range(n):
-                x.whole[at + j] = p.m[k * n + j]
+            copy_part(n, p.m, k * n, x.whole, at)
             x.right[row] = -held[k]
             row += 1
         elif role >= FORWARD:

@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.algebra.scaling import balance_sides
 from hybond.engine.complementarity.choice import Choice, complementary_basis, make_choice
 from hybond.engine.complementarity.lcp import NO_CHOICE, SOLVED, Lcp, make_lcp
@@ -96,8 +97,7 @@ def solve_mixed(x: Mixed, n: int, m: int, start: Ints, guessed: bool) -> int:
         x.right[i] = x.rows[i] * x.right[i]
     reduced = SINGULAR
     if guessed:
-        for k in range(n):
-            x.is_a[k] = start[k]
+        copy_places(n, start, 0, x.is_a, 0)
         reduced = reduce_mixed(x, n, m)
         if reduced == REGULAR and furthest(x, n, m) > FAR:
             reduced = SINGULAR
@@ -160,8 +160,7 @@ def reduce_mixed(x: Mixed, n: int, m: int) -> int:
             other = n + k if x.is_a[k] != 0 else k
             x.kept[i * rows + k] = x.whole[i * wide + own]
             x.reduced[i * (n + 1) + 1 + k] = x.whole[i * wide + other]
-        for k in range(m):
-            x.kept[i * rows + n + k] = x.whole[i * wide + 2 * n + k]
+        copy_part(m, x.whole, i * wide + 2 * n, x.kept, i * rows + n)
     if lu_factor(rows, x.kept, x.pivot) == SINGULAR:
         return SINGULAR
     lu_solve(rows, x.kept, x.pivot, n + 1, x.reduced)

@@ -14,7 +14,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, fit, fit_places, make_block, make_places
-from hybond.engine.algebra.products import copy_floats, times_matrix
+from hybond.engine.algebra.products import copy_floats, copy_part, largest, times_matrix
 from hybond.engine.algebra.svd import Svd, null_space
 from hybond.engine.complementarity.lcp import SOLVED, Lcp, make_lcp
 from hybond.engine.complementarity.lemke import lemke
@@ -153,8 +153,7 @@ def least_shares(d: Svd, n: int, many: int, others: int, x: Shares) -> bool:
             x.open.at[k] = 1
         x.values.at[k] = share
         if not (share > x.low.at[k] and share < x.high.at[k]):
-            for j in range(free):
-                x.seen.at[bound * free + j] = x.kept.at[k * free + j]
+            copy_part(free, x.kept.at, k * free, x.seen.at, bound * free)
             bound += 1
     fit(x.square, free * free)
     left = null_space(d, bound, free, x.seen.at, SHARES_RANK, x.square.at)
@@ -173,8 +172,7 @@ def free_directions(d: Svd, n: int, many: int, x: Shares) -> int:
         for j in range(many):
             most = max(most, math.fabs(x.basis.at[k * many + j]))
         if x.low.at[k] >= x.high.at[k]:
-            for j in range(many):
-                x.seen.at[fixed * many + j] = x.basis.at[k * many + j]
+            copy_part(many, x.basis.at, k * many, x.seen.at, fixed * many)
             fixed += 1
     fit(x.square, many * many)
     free = null_space(d, fixed, many, x.seen.at, SHARES_RANK, x.square.at)
@@ -191,12 +189,10 @@ def free_directions(d: Svd, n: int, many: int, x: Shares) -> int:
             x.onto.at[k] = total if math.fabs(total) > SAME_SHARE * most else 0.0
             some_entry = some_entry or x.onto.at[k] != 0.0
         if some_entry:
-            for k in range(n):
-                x.kept.at[stay * n + k] = x.onto.at[k]
+            copy_part(n, x.onto.at, 0, x.kept.at, stay * n)
             stay += 1
     # column after column so far
-    for i in range(n * stay):
-        x.onto.at[i] = x.kept.at[i]
+    copy_floats(n * stay, x.kept.at, x.onto.at)
     for j in range(stay):
         for k in range(n):
             x.kept.at[k * stay + j] = x.onto.at[j * n + k]
@@ -297,9 +293,7 @@ def inside_bounds(n: int, free: int, x: Shares) -> bool:
 
 def note_touched(n: int, many: int, basis: Floats, x: Shares) -> None:
     """Note the values that a basis moves as open."""
-    most = 0.0
-    for i in range(n * many):
-        most = max(most, math.fabs(basis[i]))
+    most = largest(n * many, basis)
     for k in range(n):
         for j in range(many):
             own = math.fabs(basis[k * many + j])

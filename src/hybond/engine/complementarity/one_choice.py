@@ -11,6 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.least_distance import nearest_point
+from hybond.engine.algebra.products import largest_part
 from hybond.engine.complementarity.branch_records import Branching
 from hybond.engine.complementarity.law_roles import FORWARD, ONE_SIDED, SHUT, TWO_SIDED
 
@@ -92,9 +93,7 @@ def put_equation_of(b: Branching, i: int) -> None:
         if common and role == TWO_SIDED:
             b.right[i] -= b.q[i]
     b.terms[i] = math.fabs(b.right[i])
-    most = 0.0
-    for j in range(n):
-        most = max(most, math.fabs(b.a[i * n + j]))
+    most = largest_part(n, b.a, i * n)
     per = 1.0 / most if most > 0.0 else 1.0
     for j in range(n):
         b.a[i * n + j] *= per

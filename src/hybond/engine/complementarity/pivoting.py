@@ -8,7 +8,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_invert
-from hybond.engine.algebra.products import column_norm
+from hybond.engine.algebra.products import column_norm, copy_floats, copy_part
 from hybond.engine.complementarity.lcp import ON_A_RAY, SOLVED, TOO_MANY_PIVOTS, Lcp
 from hybond.engine.words import Ints
 
@@ -37,10 +37,8 @@ def principal(p: Lcp, n: int, active: Ints) -> int:
     """
     count = split_pairs(p, n, active)
     if count == 0:
-        for k in range(n * n):
-            p.pivoted[k] = p.matrix[k]
-        for k in range(n):
-            p.constant[k] = p.q[k]
+        copy_floats(n * n, p.matrix, p.pivoted)
+        copy_floats(n, p.q, p.constant)
         return REGULAR
     for i in range(count):
         for j in range(count):
@@ -175,8 +173,7 @@ def lemke_path(p: Lcp, n: int, limit: int, tol: float) -> int:
     z0 = 2 * n
     clear = True
     for i in range(n):
-        for j in range(n):
-            p.table[i * wide + j] = p.pivoted[i * n + j]
+        copy_part(n, p.pivoted, i * n, p.table, i * wide)
         p.table[i * wide + n] = 1.0
         p.table[i * wide + n + 1] = p.constant[i]
         if not p.constant[i] >= 0.0:
@@ -249,8 +246,7 @@ def exchange_basic(p: Lcp, n: int, r: int, c: int) -> None:
         if i != r and factor != 0.0:
             for j in range(wide):
                 p.table[i * wide + j] += factor * p.line[j]
-    for j in range(wide):
-        p.table[r * wide + j] = p.line[j]
+    copy_part(wide, p.line, 0, p.table, r * wide)
 
 
 def note_path(p: Lcp, n: int) -> None:

@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_part
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, svd_room
@@ -63,8 +63,7 @@ def reach_free(e: Engine, mode: Mode, v: Floats) -> bool:
     r = w.reach_free.at
     for k in range(n):
         w.reach_rest.at[k] = w.kept[k] - w.base[k]
-        for j in range(frees):
-            w.reach_slope.at[k * frees + j] = mode.power_free.at[k * frees + j]
+        copy_part(frees, mode.power_free.at, k * frees, w.reach_slope.at, k * frees)
     finite = all_finite(n, w.reach_rest.at)
     for j in range(frees):
         r[j] = 0.0
@@ -92,8 +91,7 @@ def reach_free(e: Engine, mode: Mode, v: Floats) -> bool:
         part = part_ahead(e, mode, v, off)
         for j in range(frees):
             r[j] -= part * w.reach_step.at[j]
-    for k in range(n):
-        v[m.bond_slot + k] = w.base[k]
+    copy_part(n, w.base, 0, v, m.bond_slot)
     return False
 
 

@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
-from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part, largest_part
 from hybond.engine.algebra.rounding import SMALLEST
 from hybond.engine.algebra.svd import svd_of_transpose
 from hybond.engine.answers import value
@@ -80,8 +80,7 @@ def gaps(e: Engine, mode: Mode, v: Floats, x: Floats, again: bool) -> None:
     w.lefts = 0
     w.constraints = mode.constraints.rows
     fit(w.gap, w.constraints)
-    for k in range(m.storages):
-        v[m.stored_slot + k] = x[k]
+    copy_part(m.storages, x, 0, v, m.stored_slot)
     for i in range(mode.bounds):
         k = mode.bound[i]
         if mode.bound_alone[i] != 0:
@@ -105,8 +104,7 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     m = e.model
     w = e.work
     n = 2 * m.bonds
-    for k in range(m.storages):
-        v[m.stored_slot + k] = x[k]
+    copy_part(m.storages, x, 0, v, m.stored_slot)
     restore_bonds(e, mode, v)
     for i in range(mode.bounds):
         k = mode.bound[i]
@@ -140,8 +138,7 @@ def residual(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
         w.two_port.at[2 * i] = total
         w.two_port.at[2 * i + 1] = size
     # a controlled source is read at the state tried
-    for k in range(n):
-        v[m.bond_slot + k] = w.base[k]
+    copy_part(n, w.base, 0, v, m.bond_slot)
     if bends_in_free(e, mode) and reach_free(e, mode, v):
         for i in range(mode.structures):
             w.two_port.at[2 * i] = row_at(e, mode, v, i)
@@ -185,7 +182,7 @@ def follow_moduli(e: Engine, mode: Mode, v: Floats) -> None:
     n = 2 * m.bonds
     frees = mode.power_frees
     for k in range(n):
-        if largest_in(frees, mode.power_free.at, mode.same[k] * frees) == 0.0:
+        if largest_part(frees, mode.power_free.at, mode.same[k] * frees) == 0.0:
             v[m.bond_slot + k] = w.base[k]
     frozen_at(e, mode, v, w.refrozen)
     moved = False
@@ -197,14 +194,6 @@ def follow_moduli(e: Engine, mode: Mode, v: Floats) -> None:
                 w.frozen.at[row + k] = w.refrozen.at[row + k]
     if moved:
         turn_left(e, mode)
-
-
-def largest_in(n: int, a: Floats, at: int) -> float:
-    """Return the largest of so many numbers from `at` on."""
-    most = 0.0
-    for k in range(n):
-        most = max(most, math.fabs(a[at + k]))
-    return most
 
 
 def turn_left(e: Engine, mode: Mode) -> None:

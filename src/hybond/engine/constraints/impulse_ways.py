@@ -6,7 +6,14 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places, spread_rows
-from hybond.engine.algebra.products import largest, times_matrix, times_orthonormal
+from hybond.engine.algebra.products import (
+    copy_floats,
+    copy_part,
+    largest,
+    largest_part,
+    times_matrix,
+    times_orthonormal,
+)
 from hybond.engine.algebra.qr import complement
 from hybond.engine.algebra.svd import null_space, pseudo_inverse, rank_above, svd
 from hybond.engine.constraints.constraints import constraint_by_co_energy, residual
@@ -21,7 +28,7 @@ from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.nonlinear.dynamic_rows import frozen_at
 from hybond.engine.mode.rows.storage import own_stiffness, stiff, with_stored
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.words import Floats
 
 SEEN: Final = 1e-3
@@ -48,8 +55,7 @@ def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
         if d < 0:
             continue
         for p in range(m.dynamic_free[d], m.dynamic_free[d + 1]):
-            for j in range(frees):
-                w.row.at[rows * frees + j] = mode.power_free.at[m.free_column[p] * frees + j]
+            copy_part(frees, mode.power_free.at, m.free_column[p] * frees, w.row.at, rows * frees)
             rows += 1
         if m.dynamic_free[d] == m.dynamic_free[d + 1]:
             for j in range(frees):
@@ -64,8 +70,7 @@ def impulse_directions(e: Engine, mode: Mode, v: Floats, ways: Ways) -> None:
         if mode.free_sparse:
             spread_rows(mode.free_rows, frees, ways.directions.at)
             return
-        for i in range(n * frees):
-            ways.directions.at[i] = mode.power_free.at[i]
+        copy_floats(n * frees, mode.power_free.at, ways.directions.at)
         return
     room = svd_room(e, max(rows, frees), max(rows, frees))
     fit(w.c, frees * frees)
@@ -88,7 +93,7 @@ def find_ways(e: Engine, mode: Mode, v: Floats, x: Floats) -> None:
     fit(w.rate_part, m.storages * many)
     for k in range(m.storages):
         at = rate_bond(m, k)
-        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+        sign = way_of_rate(m, k)
         for j in range(many):
             w.rate_part.at[k * many + j] = sign * ways.directions.at[at * many + j]
     # the combinations of impulses that move the state
@@ -160,9 +165,7 @@ def invert_slope(e: Engine, ways: Ways, count: int) -> None:
 
 def size_by_entries(size: Floats, ways: Ways, i: int) -> None:
     """Let row i of the slope be measured by its largest entry."""
-    most = 0.0
-    for a in range(ways.areas):
-        most = max(most, math.fabs(ways.slope.at[i * ways.areas + a]))
+    most = largest_part(ways.areas, ways.slope.at, i * ways.areas)
     size[i] = most if most > 0.0 else 1.0
 
 
@@ -205,8 +208,7 @@ def find_shares(e: Engine, ways: Ways, n: int) -> None:
     fit(w.b, many * many)
     fit(w.c, many)
     fit_columns(e, many)
-    for i in range(many * ways.areas):
-        w.a.at[i] = ways.moving.at[i]
+    copy_floats(many * ways.areas, ways.moving.at, w.a.at)
     ways.shares = complement(many, ways.areas, w.a.at, w.c.at, w.column.at, w.b.at)
     fit(ways.share, n * ways.shares)
     times_orthonormal(n, many, ways.shares, ways.directions.at, w.b.at, ways.share.at)

@@ -17,6 +17,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.algebra.sparse_lu import (
     add_term,
     begin_system,
@@ -28,7 +29,7 @@ from hybond.engine.algebra.sparse_lu import (
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode, Ways
 from hybond.engine.mode.rows.storage import own_stiffness, stiff, with_stored
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.words import Floats
 
 FEW: Final = 32
@@ -172,7 +173,7 @@ def give_impulses(e: Engine, mode: Mode) -> None:
     for a in range(ways.areas):
         k = ways.moved.at[a]
         row = rate_bond(e.model, k)
-        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+        sign = way_of_rate(m, k)
         add_term(ways.solver, a, ways.extent.at[a])
         for i in range(rows.first.at[row], rows.first.at[row + 1]):
             own = ways.areas + rows.column.at[i]
@@ -209,8 +210,7 @@ def sparse_step(e: Engine, ways: Ways, count: int) -> None:
     fit(w.sent, ways.many)
     for a in range(ways.areas):
         w.sides.at[a] = 0.0
-    for i in range(count):
-        w.sides.at[ways.areas + i] = w.gap.at[i]
+    copy_part(count, w.gap.at, 0, w.sides.at, ways.areas)
     solve_sparse(ways.solver, w.factoring, w.sides.at, w.found.at)
     for a in range(ways.areas):
         w.step.at[a] = ways.extent.at[a] * w.found.at[a]
@@ -232,5 +232,4 @@ def sparse_shares(e: Engine, ways: Ways, k: int, count: int) -> None:
     if a < ways.moves_first.at[k + 1]:
         w.sides.at[a] = ways.extent.at[a]
     solve_transposed(ways.solver, w.factoring, w.sides.at, w.found.at)
-    for i in range(count):
-        w.row_size.at[i] = w.found.at[ways.areas + i]
+    copy_part(count, w.found.at, ways.areas, w.row_size.at, 0)

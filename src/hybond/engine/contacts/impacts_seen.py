@@ -2,6 +2,7 @@
 
 import math
 
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.answers import value
 from hybond.engine.contacts.accumulation import note_impact, push_time, restart
 from hybond.engine.contacts.landing_records import CROWD, Landings
@@ -21,14 +22,10 @@ def before_event(e: Engine) -> None:
     """Keep what there is before an instant is settled."""
     m = e.model
     g = e.landings
-    for k in range(e.states):
-        g.before[k] = e.y[k]
-    for k in range(m.machines):
-        g.before_state[k] = e.state[k]
-    for k in range(m.inputs):
-        g.before_piece[k] = e.piece[k]
-    for k in range(m.watches):
-        g.before_at[k] = e.at[k]
+    copy_floats(e.states, e.y, g.before)
+    copy_places(m.machines, e.state, 0, g.before_state, 0)
+    copy_places(m.inputs, e.piece, 0, g.before_piece, 0)
+    copy_places(m.watches, e.at, 0, g.before_at, 0)
 
 
 def exchange_interval(e: Engine) -> None:
@@ -78,8 +75,7 @@ def note_struck(m: Model, g: Landings) -> None:
         contact = m.contact_at[m.state_first[k] + g.state[k]]
         if contact >= 0 and g.landed[k] < 0:
             g.struck[k] = contact
-            for j in range(m.machines):
-                g.struck_state[k * m.machines + j] = g.state[j]
+            copy_places(m.machines, g.state, 0, g.struck_state, k * m.machines)
 
 
 def touch(e: Engine, g: Landings, machine: int) -> None:
@@ -126,12 +122,9 @@ def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
 def learn_signs(e: Engine, g: Landings, machine: int, contact: int) -> None:
     """Learn the sign of each reaction's impulse in the impact."""
     m = e.model
-    for k in range(m.storages):
-        g.x[k] = g.before[k]
-    for k in range(m.integrals):
-        g.s[k] = g.before[m.storages + k]
-    for k in range(m.machines):
-        g.state[k] = g.struck_state[machine * m.machines + k]
+    copy_floats(m.storages, g.before, g.x)
+    copy_part(m.integrals, g.before, m.storages, g.s, 0)
+    copy_places(m.machines, g.struck_state, machine * m.machines, g.state, 0)
     if a_priori(e, e.t, g.x, g.s, g.before_state) != OK:
         return
     if enter(e, e.t, g.x, g.s, g.state, True, False) != OK:

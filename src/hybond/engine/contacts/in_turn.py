@@ -8,6 +8,7 @@ told by all events of their laws. At their limit all of them are closed, if they
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.contacts.accumulation import CHATTERING, crowd_within, restart, since_start
 from hybond.engine.contacts.landing import CHATTERS, lie_down, tell_end
 from hybond.engine.contacts.landing_records import Landings
@@ -119,10 +120,8 @@ def takes_turns(g: Landings, k: int, room: float) -> bool:
 def would_carry(e: Engine, g: Landings, room: float) -> bool:
     """Whether all chosen contacts push at rest, and what is left of their flights is none."""
     m = e.model
-    for k in range(m.storages):
-        g.x[k] = e.y[k]
-    for k in range(m.integrals):
-        g.s[k] = e.y[m.storages + k]
+    copy_floats(m.storages, e.y, g.x)
+    copy_part(m.integrals, e.y, m.storages, g.s, 0)
     if a_priori(e, e.t, g.x, g.s, e.state) != OK or find_rest(e, g, e.t, g.state) != OK:
         return False
     for p in range(m.ports):

@@ -11,7 +11,7 @@ begin with. Source: Mosterman & Biswas 2002, section 4.
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part, copy_places
 from hybond.engine.contacts.accumulation import (
     POSITION,
     chatters,
@@ -135,8 +135,7 @@ def worth_trying(e: Engine, g: Landings, k: int) -> bool:
 def would_rest(e: Engine, g: Landings) -> bool:
     """Try the structure at rest of the chosen contacts, and see what it would have to carry."""
     m = e.model
-    for k in range(m.machines):
-        g.state[k] = e.state[k]
+    copy_places(m.machines, e.state, 0, g.state, 0)
     for k in range(g.touches):
         if g.chosen[k] != 0:
             contact = g.touch_contact[k]
@@ -146,10 +145,8 @@ def would_rest(e: Engine, g: Landings) -> bool:
             if m.tells != 0:
                 g.why = REBOUNDS
             return False
-    for k in range(m.storages):
-        g.x[k] = e.y[k]
-    for k in range(m.integrals):
-        g.s[k] = e.y[m.storages + k]
+    copy_floats(m.storages, e.y, g.x)
+    copy_part(m.integrals, e.y, m.storages, g.s, 0)
     if a_priori(e, e.t, g.x, g.s, e.state) != OK:
         if m.tells != 0:
             tell_no_solution(e, g)
@@ -270,20 +267,16 @@ def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
     began = e.t
     if m.tells != 0:
         before = energy_of(e, e.y)
-        for b in range(2 * e.model.bonds):
-            e.impulses[b] = g.area[b]
+        copy_floats(2 * e.model.bonds, g.area, e.impulses)
         given = supplied_by_jump(e)
         power = supplied_now(e)
     if g.any_landed:
         find_moved(e, g.held)
     if m.laws > 0:
         remember_jump(e, g.x)
-    for k in range(m.storages):
-        e.y[k] = g.x[k]
-    for k in range(m.integrals):
-        e.y[m.storages + k] = g.s[k]
-    for k in range(m.machines):
-        e.state[k] = g.state[k]
+    copy_floats(m.storages, g.x, e.y)
+    copy_part(m.integrals, g.s, 0, e.y, m.storages)
+    copy_places(m.machines, g.state, 0, e.state, 0)
     if carry_over(e, g) != OK:
         return -1
     if m.tells != 0:
@@ -291,8 +284,7 @@ def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
         # alone it takes back the last rebound, and friction that goes with it
         add_energy(i, before, energy_of(e, e.y), given + power * (e.t - began))
     i.t = e.t
-    for k in range(m.machines):
-        g.before_state[k] = e.state[k]
+    copy_places(m.machines, e.state, 0, g.before_state, 0)
     if settle(e, s, i) != OK:
         return -1
     if i.steps > 1:
@@ -353,8 +345,7 @@ def carry_over(e: Engine, g: Landings) -> int:
         g.at_rest[k] = e.y[k] + h / 6.0 * (g.rate1[k] + between_rates + g.rate4[k])
     if not all_finite(n, g.at_rest) or would_leave(e, g, limit):
         return OK
-    for k in range(n):
-        e.y[k] = g.at_rest[k]
+    copy_floats(n, g.at_rest, e.y)
     e.t = limit
     return OK
 

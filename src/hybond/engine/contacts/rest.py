@@ -4,6 +4,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.constraints.impulse_ways import impulse_directions
 from hybond.engine.contacts.landing_records import Landings
 from hybond.engine.engine import OK, REFUSED, Engine
@@ -57,25 +58,20 @@ def find_rest(e: Engine, g: Landings, t: float, target: Ints) -> int:
         return REFUSED
     mode = e.mode
     set_values(e, mode, e.v, t, g.x, g.s)
-    for k in range(m.slots):
-        e.v[m.slots + k] = e.pre[k]
+    copy_part(m.slots, e.pre, 0, e.v, m.slots)
     put_limits(e, mode, e.v)
     for b in range(2 * m.bonds):
         e.v[m.bond_slot + b] = e.v[m.slots + m.bond_slot + b]
     for turn in range(DUSTING + 1):
-        for k in range(m.storages):
-            e.v[m.stored_slot + k] = g.x[k]
+        copy_part(m.storages, g.x, 0, e.v, m.stored_slot)
         if enter_mode(e, mode, e.v, g.x, e.trial.x) != OK:
             return REFUSED
         if turn == 0:
-            for b in range(2 * m.bonds):
-                g.area[b] = e.impulses[b]
-        for k in range(m.storages):
-            g.x[k] = e.trial.x[k]
+            copy_floats(2 * m.bonds, e.impulses, g.area)
+        copy_floats(m.storages, e.trial.x, g.x)
     find_moved(e, g.moves)
     still_stored(e, g.moves, g.x)
-    for k in range(m.storages):
-        e.v[m.stored_slot + k] = g.x[k]
+    copy_part(m.storages, g.x, 0, e.v, m.stored_slot)
     if solve_here(e, mode, e.v) != OK:
         return REFUSED
     sizes_here(e, mode, e.v)
@@ -84,6 +80,5 @@ def find_rest(e: Engine, g: Landings, t: float, target: Ints) -> int:
         g.size[b] = e.work.sizes[b]
     g.loose = freedom_here(e, mode, e.v)
     fit(e.trial.freedom, 2 * m.bonds * g.loose)
-    for i in range(2 * m.bonds * g.loose):
-        e.trial.freedom.at[i] = e.work.freedom.at[i]
+    copy_floats(2 * m.bonds * g.loose, e.work.freedom.at, e.trial.freedom.at)
     return OK

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
@@ -160,8 +160,7 @@ def is_held_by_rounding(e: Engine, g: Locator, k: int) -> bool:
         return False
     if not find_slopes(e, g, k, t):
         return False
-    for i in range(n):
-        q.rest[i] = q.y[i]
+    copy_floats(n, q.y, q.rest)
     zeros = 0
     rests = 0
     for a in range(many):
@@ -410,8 +409,7 @@ def put_beside(e: Engine, g: Locator, k: int, sign: float) -> None:
     """
     q = e.rests
     n = e.states
-    for i in range(n):
-        q.shifted[i] = q.rest[i]
+    copy_floats(n, q.rest, q.shifted)
     for a in range(g.atom_first[k + 1] - g.atom_first[k]):
         j = q.driver[a]
         if q.kind[a] == ZERO and j >= 0:

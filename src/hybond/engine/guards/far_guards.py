@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import largest
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
@@ -94,9 +95,7 @@ def is_within(e: Engine, g: Locator, a: int, room: float) -> bool:
             factor = s.factor.at[p]
             for i in range(KEPT):
                 g.d[i] += factor * g.moved[i * e.states + k]
-    most = 0.0
-    for i in range(KEPT):
-        most = max(most, math.fabs(g.d[i]))
+    most = largest(KEPT, g.d)
     g.astray[a] = min(g.astray[a], DRIFTS * most + EVALUATED * g.astray[a])
     return g.astray[a] <= room
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_times
-from hybond.engine.algebra.products import copy_part
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import rule_text, value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.paired import holds_from
@@ -73,8 +73,7 @@ def look_at_time(e: Engine, g: Locator, t: float, at: float) -> None:
 
 def look_at_state(e: Engine, g: Locator, t: float, y: Floats) -> None:
     """Fill them as they would be at t in any state; what was looked at before is forgotten."""
-    for k in range(e.states):
-        g.y[k] = y[k]
+    copy_floats(e.states, y, g.y)
     look_here(e, g, t)
 
 
@@ -330,8 +329,7 @@ def measure_here(e: Engine, g: Locator, k: int) -> None:
 
 def keep_stored(e: Engine) -> None:
     """Put what is stored there, to measure rounding by."""
-    for k in range(e.model.storages):
-        e.work.here[k] = e.v[e.model.stored_slot + k]
+    copy_part(e.model.storages, e.v, e.model.stored_slot, e.work.here, 0)
 
 
 def begin_sizes_in_motion(e: Engine) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.words import Floats, floats, record
 
 DEGREE: Final = 4
@@ -62,8 +63,7 @@ def solve_quartic(q: Quartic, c: Floats, at: int) -> None:
     A root is where the sign changes.
     """
     last = DEGREE - 1 if bends(c, at) else 1
-    for j in range(COEFFICIENTS):
-        q.row[j] = c[at + j]
+    copy_part(COEFFICIENTS, c, at, q.row, 0)
     for k in range(last + 1):
         for j in range(DEGREE - k):
             q.row[COEFFICIENTS * (k + 1) + j] = float(j + 1) * q.row[COEFFICIENTS * k + j + 1]
@@ -106,8 +106,7 @@ def turns(c: Floats, at: int) -> bool:
 
 def solve_monotone(q: Quartic, c: Floats, at: int) -> None:
     """Find the root of such a polynomial that does not turn."""
-    for j in range(COEFFICIENTS):
-        q.row[j] = c[at + j]
+    copy_part(COEFFICIENTS, c, at, q.row, 0)
     for j in range(DEGREE):
         q.row[COEFFICIENTS + j] = float(j + 1) * c[at + j + 1]
     q.turns = 0

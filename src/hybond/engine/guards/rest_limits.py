@@ -111,8 +111,7 @@ def lead_to_rest(e: Engine, many: int, t: float) -> bool:
     As often as it takes where laws are bent; False if there is no such place.
     """
     q = e.rests
-    for i in range(e.states):
-        q.shifted[i] = q.y[i]
+    copy_floats(e.states, q.y, q.shifted)
     for i in range(many):
         q.other[i] = 0.0
     far = math.inf
@@ -210,8 +209,7 @@ def moves_on(e: Engine, many: int, t: float, end: float) -> bool:
         most = max(most, math.fabs(q.left[i]))
     if not most * (end - t) > 1.0:
         return False
-    for i in range(n):
-        q.beyond[i] = q.shifted[i]
+    copy_floats(n, q.shifted, q.beyond)
     for i in range(many):
         q.beyond[q.place[i]] += q.left[i] / most * q.tell[q.place[i]]
     if field(e, e.mode, t, q.beyond, q.rate) != OK or not all_finite(n, q.rate):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.engine import OK, Engine
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.indeterminate import keep_as_before, keep_open_before
@@ -34,13 +35,11 @@ def stand_before(e: Engine, t: float, x: Floats, s: Floats, state: Ints, begin: 
     take_instant(e, e.laws, t, s, state)
     if make_consistent(e, e.laws, x) != OK:
         return False
-    for k in range(e.model.storages):
-        begin[k] = e.laws.x[k]
+    copy_floats(e.model.storages, e.laws.x, begin)
     if enter(e, t, begin, s, state, False, False) != OK:
         return False
     show_stored(e)
-    for k in range(e.model.slots):
-        e.pre[k] = e.v[k]
+    copy_floats(e.model.slots, e.v, e.pre)
     keep_as_before(e, e.trial.loose, e.trial.freedom.at)
     return True
 
@@ -70,8 +69,7 @@ def begin_behind(
     m = e.model
     if m.blocks > 0:
         return False
-    for k in range(m.machines):
-        state[k] = e.state[k]
+    copy_places(m.machines, e.state, 0, state, 0)
     for _ in range(MOST):
         # a mode without a solution gives bonds no values that rules could read a priori
         for k in range(2 * m.bonds):
@@ -81,8 +79,7 @@ def begin_behind(
         if a_priori(e, e.t, x, s, state) != OK:
             return False
         keep_open_before(e)
-        for k in range(m.integrals):
-            s[k] = e.y[m.storages + k]
+        copy_part(m.integrals, e.y, m.storages, s, 0)
         e.sampled_at = -math.inf
         if sample(e, s) != OK:
             return False

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_places
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.guards.in_force import is_asked
@@ -55,8 +56,7 @@ def leave(e: Engine, i: Instant, t: float, x: Floats, s: Floats, state: Ints, ta
         fires = fires or (m.is_law[k] == 0 and first_rule(e, k) >= 0)
     if not fires:
         # it is refused in the branches that laws have tried
-        for k in range(m.machines):
-            e.trial.state[k] = target[k]
+        copy_places(m.machines, target, 0, e.trial.state, 0)
         return False
     for k in range(m.machines):
         target[k] = state[k]
@@ -69,8 +69,7 @@ def leave(e: Engine, i: Instant, t: float, x: Floats, s: Floats, state: Ints, ta
         if target[k] != state[k]:
             note_fired(i, k, state[k], target[k])
             tell_fired(e, i, k)
-    for k in range(m.machines):
-        state[k] = target[k]
+    copy_places(m.machines, target, 0, state, 0)
     return True
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from hybond.engine.algebra.products import largest, largest_part
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.paired import evaluate_pair, holds
 from hybond.engine.expressions.pairs import Stack, clear, is_impulsive
@@ -129,13 +130,9 @@ def tell_open(e: Engine, i: Instant, many: int, directions: Floats) -> None:
     if many == 0:
         return
     n = 2 * e.model.bonds
-    most = 0.0
-    for k in range(n * many):
-        most = max(most, math.fabs(directions[k]))
+    most = largest(n * many, directions)
     for k in range(n):
-        size = 0.0
-        for j in range(many):
-            size = max(size, math.fabs(directions[k * many + j]))
+        size = largest_part(many, directions, k * many)
         if size > MOVED * most:
             add_open(i, k)
 

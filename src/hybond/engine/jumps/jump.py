@@ -13,7 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_times
-from hybond.engine.algebra.products import are_equal
+from hybond.engine.algebra.products import are_equal, copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.constraints.constraints import (
     begin_constraints,
@@ -56,8 +56,7 @@ def enter_mode(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) -> in
     m = e.model
     n = 2 * m.bonds
     e.moved = STAYS
-    for k in range(m.storages):
-        after[k] = x[k]
+    copy_floats(m.storages, x, after)
     for k in range(n):
         e.impulses[k] = 0.0
     if mode.agreements.rows > 0 and check_agreement(e, mode, v) != OK:
@@ -136,8 +135,7 @@ def leave_nothing(e: Engine, mode: Mode, v: Floats, x: Floats, after: Floats) ->
         return
     residual(e, mode, v, w.here)
     if meets_own_terms(e, mode, BEST):
-        for k in range(m.storages):
-            after[k] = w.here[k]
+        copy_floats(m.storages, w.here, after)
     restore_bonds(e, mode, v)
 
 
@@ -228,8 +226,7 @@ def hold_at_zero(e: Engine, mode: Mode, v: Floats, y: Floats) -> None:
     else:
         residual(e, mode, v, e.work.landed)
     if meets_own_terms(e, mode, BEST):
-        for k in range(e.model.storages):
-            y[k] = e.work.landed[k]
+        copy_floats(e.model.storages, e.work.landed, y)
     restore_bonds(e, mode, v)
 
 

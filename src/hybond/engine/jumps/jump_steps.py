@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import largest
 from hybond.engine.algebra.separate import least_squares_separate
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.constraints.constraints import residual
@@ -115,9 +116,7 @@ def newton_steps(
             return LOCKED
         best = min(best, worst)
         part = 1.0 if ways.known or worst <= CONSISTENT else nearer(e, mode, v, x, ways)
-        length = 0.0
-        for a in range(areas):
-            length = max(length, math.fabs(w.step.at[a]))
+        length = largest(areas, w.step.at)
         ratio = length / last_length if part == 1.0 and last_length > 0.0 else 0.0
         if not ways.known and is_steady(ratio, last_ratio):
             part = over_flat_root(e, mode, v, x, ways, ratio)

@@ -16,6 +16,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.constraints.constraints import constraint_by_co_energy
 from hybond.engine.constraints.impulse_ways import slope_of
 from hybond.engine.engine import OK, Engine, say_fault
@@ -65,15 +66,13 @@ def find_areas(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, measured
     w = e.work
     areas = ways.areas
     fit(w.nu_found, areas)
-    for a in range(areas):
-        w.nu_found.at[a] = w.nu.at[a]
+    copy_floats(areas, w.nu.at, w.nu_found.at)
     if driven(e, mode, v, x, ways) and newton_steps(e, mode, v, x, ways, False, True) == OK:
         return OK
     if status != OK:
         return tell_none(e, mode, status)
     # nothing else was found
-    for a in range(areas):
-        w.nu.at[a] = w.nu_found.at[a]
+    copy_floats(areas, w.nu_found.at, w.nu.at)
     gap_at(e, mode, v, x, ways, 0.0)
     return OK
 
@@ -112,8 +111,7 @@ def is_driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
     slope_of_storages(e, mode, x, ways, ways.slope.at)
     rank = find_step(e, ways, w.constraints)
     forth = -energy_of_both(e, x, ways, w.nu_found.at, w.step.at)
-    for a in range(areas):
-        w.nu.at[a] = w.nu_found.at[a]
+    copy_floats(areas, w.nu_found.at, w.nu.at)
     put_here(e.model.storages, x, ways, w.nu.at, w.here)
     slope_of(e, mode, v, w.here, ways)
     gap_at(e, mode, v, x, ways, 0.0)
@@ -201,8 +199,7 @@ def driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
         for a in range(areas):
             w.pushed.at[a] = time * w.step.at[a]
             w.nu_led.at[a] = w.nu.at[a]
-        for i in range(count * areas):
-            ways.slope.at[i] = w.slope_alone.at[i]
+        copy_floats(count * areas, w.slope_alone.at, ways.slope.at)
         find_step(e, ways, count)
         for a in range(areas):
             w.nu.at[a] -= w.step.at[a]
@@ -215,8 +212,7 @@ def driven(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> bool:
             missing = left
             time *= 2.0
             continue
-        for a in range(areas):
-            w.nu.at[a] = w.nu_led.at[a]
+        copy_floats(areas, w.nu_led.at, w.nu.at)
         # steps that went too far leave nothing of what is measured there
         gap_at(e, mode, v, x, ways, 0.0)
         time *= 0.25

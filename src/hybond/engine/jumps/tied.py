@@ -17,6 +17,7 @@ from hybond.engine.inputs.interval import set_time
 from hybond.engine.jumps.jump import CANCELLED, is_fixed
 from hybond.engine.mode.mode_records import FREE, NOT_KNOWN, TIED, Mode, Ways
 from hybond.engine.mode.rows.sources_of_time import value_of_source
+from hybond.engine.mode.rows.storage_bonds import way_of_rate
 from hybond.engine.words import Floats
 
 ALONG: Final = 1e-13
@@ -185,8 +186,7 @@ def leads(e: Engine, mode: Mode, k: int) -> bool:
         for p in range(mode.direct.first.at[row], mode.direct.first.at[row + 1]):
             if mode.direct.column.at[p] == rate_of:
                 rate = mode.direct.value.at[p]
-        if m.storage_kind[s] == 0 and m.storage_sign[s] < 0:
-            rate = -rate
+        rate *= way_of_rate(m, s)
         at = s * ties.leaders + ties.place.at[k]
         if math.fabs(ties.factor.at[at] - rate) > ALONG * max(ties.size.at[at], math.fabs(rate)):
             return False

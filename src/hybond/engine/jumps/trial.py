@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite, copy_part
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part, copy_places
 from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.paired import evaluate_pair
@@ -96,8 +96,7 @@ def lose_bonds(e: Engine) -> bool:
 def begin_trial(e: Engine, t: float, x: Floats, s: Floats, state: Ints) -> int:
     """Take the equations of a mode and write the values on entering it."""
     m = e.model
-    for k in range(m.machines):
-        e.trial.state[k] = state[k]
+    copy_places(m.machines, state, 0, e.trial.state, 0)
     if mode_of(e, state) != OK or combine_here(e, state) != OK:
         return REFUSED
     write_entry(e, t, x, s)
@@ -129,8 +128,7 @@ def try_mode(e: Engine, t: float, x: Floats, s: Floats, state: Ints, jump: bool)
             return REFUSED
     else:
         e.moved = STAYS
-        for k in range(m.storages):
-            e.trial.x[k] = x[k]
+        copy_floats(m.storages, x, e.trial.x)
     return finish_trial(e, t, x, s)
 
 
@@ -165,8 +163,7 @@ def finish_trial(e: Engine, t: float, x: Floats, s: Floats) -> int:
         for k in range(2 * m.bonds):
             above = math.fabs(e.impulses[k]) > e.floor[k]
             trial.jump[m.bond_slot + k] = e.impulses[k] if above else 0.0
-    for k in range(m.integrals):
-        trial.s[k] = s[k]
+    copy_floats(m.integrals, s, trial.s)
     if solve_trial(e) != OK:
         return REFUSED
     if trial.jumps and m.integrals > 0:
@@ -195,23 +192,19 @@ def solve_trial(e: Engine) -> int:
     """Solve for the bond variables after the jump, with what they leave free."""
     m = e.model
     trial = e.trial
-    for k in range(m.storages):
-        e.v[m.stored_slot + k] = trial.x[k]
-    for k in range(m.integrals):
-        e.v[m.signal_slot + k] = trial.s[k]
+    copy_part(m.storages, trial.x, 0, e.v, m.stored_slot)
+    copy_part(m.integrals, trial.s, 0, e.v, m.signal_slot)
     if solve_here(e, e.mode, e.v) != OK:
         trial.valueless = True
         return REFUSED
     if not all_finite(2 * m.bonds, e.work.w):
         return blame_source(e)
-    for k in range(e.mode.knowns):
-        trial.xi[k] = e.work.xi[k]
+    copy_floats(e.mode.knowns, e.work.xi, trial.xi)
     begin_sizes(e, e.mode, e.v, trial.x, trial.terms)
     trial.loose = freedom_here(e, e.mode, e.v)
     n = 2 * m.bonds * trial.loose
     fit(trial.freedom, n)
-    for i in range(n):
-        trial.freedom.at[i] = e.work.freedom.at[i]
+    copy_floats(n, e.work.freedom.at, trial.freedom.at)
     return OK
 
 
@@ -322,8 +315,7 @@ def take_factors(e: Engine, mode: Mode, v: Floats) -> None:
     at = 0
     for i in range(mode.dynamics):
         if mode.dynamic[i] >= 0 and m.dynamic_impulsive[mode.dynamic[i]] != 0:
-            for k in range(n):
-                trial.factor.at[at + k] = e.work.frozen.at[i * n + k]
+            copy_part(n, e.work.frozen.at, i * n, trial.factor.at, at)
             at += n
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.engine import OK, Engine
 from hybond.engine.jumps.trial import a_priori
 from hybond.engine.laws.entering import enter
@@ -24,19 +25,15 @@ MOST: Final = 64
 def choose_at(e: Engine, x: Floats, signals: Floats) -> None:
     """Let branches be chosen in this state from now on; those that are known are kept."""
     s = e.slide
-    for k in range(e.model.storages):
-        s.choose_x[k] = x[k]
-    for k in range(e.model.integrals):
-        s.choose_s[k] = signals[k]
+    copy_floats(e.model.storages, x, s.choose_x)
+    copy_floats(e.model.integrals, signals, s.choose_s)
 
 
 def choose_anew(e: Engine) -> None:
     """Forget all branches; they are chosen in the present state."""
     s = e.slide
-    for k in range(e.model.storages):
-        s.choose_x[k] = e.y[k]
-    for k in range(e.model.integrals):
-        s.choose_s[k] = e.y[e.model.storages + k]
+    copy_floats(e.model.storages, e.y, s.choose_x)
+    copy_part(e.model.integrals, e.y, e.model.storages, s.choose_s, 0)
     s.branches = 0
 
 
@@ -60,16 +57,14 @@ def follow(e: Engine, before: Ints, state: Ints) -> None:
     s = e.slide
     if m.followers == 0:
         return
-    for k in range(m.machines):
-        s.begun[k] = state[k]
+    copy_places(m.machines, state, 0, s.begun, 0)
     for _ in range(MOST):
         s.wants = False
         let_follow(e, before, state)
         if not s.wants:
             return
         choose(e, s.wanted)
-        for k in range(m.machines):
-            state[k] = s.begun[k]
+        copy_places(m.machines, s.begun, 0, state, 0)
     # laws and followers send each other on, mode after mode
     s.restless = m.follower[0]
 
@@ -87,11 +82,9 @@ def know_around(e: Engine, state: Ints) -> None:
         if now == m.surface_below[surface] or now == m.surface_above[surface]:
             s.side[sides] = surface
             sides += 1
-    for k in range(m.slots):
-        s.kept_pre[k] = e.pre[k]
+    copy_floats(m.slots, e.pre, s.kept_pre)
     know_branches(e, state, sides, s.slid_product, s.side)
-    for k in range(m.slots):
-        e.pre[k] = s.kept_pre[k]
+    copy_floats(m.slots, s.kept_pre, e.pre)
 
 
 def choose_own(e: Engine, state: Ints) -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import node_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.jumps.jump import enter_mode
@@ -48,8 +49,7 @@ def check_gaps(e: Engine, r: Laws, x: Floats) -> int:
     seed = 1.0
     found = OK
     for _ in range(PROBES):
-        for i in range(2 * m.slots):
-            r.later[i] = r.v[i]
+        copy_floats(2 * m.slots, r.v, r.later)
         for k in range(m.storages):
             seed = math.fmod(LEHMER * seed, MERSENNE)
             r.moved[k] = x[k]
@@ -72,18 +72,15 @@ def allow(e: Engine, r: Laws, mode: Mode) -> int:
     """Put the state `r.moved`, or what a modulated structure allows of it, among `r.later`."""
     m = e.model
     found = OK
-    for k in range(m.storages):
-        r.x[k] = r.moved[k]
+    copy_floats(m.storages, r.moved, r.x)
     if mode.dynamics != 0:
-        for k in range(m.storages):
-            r.later[m.stored_slot + k] = r.moved[k]
+        copy_part(m.storages, r.moved, 0, r.later, m.stored_slot)
         for k in range(m.ports):
             mode.source_level[r.now.column[k]] = r.now.sign[k] * r.l[k]
         found = enter_mode(e, mode, r.later, r.moved, r.x)
         for k in range(m.ports):
             mode.source_level[r.now.column[k]] = 0.0
-    for k in range(m.storages):
-        r.later[m.stored_slot + k] = r.x[k]
+    copy_part(m.storages, r.x, 0, r.later, m.stored_slot)
     return found
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.laws.gaps import NO_GAP, check_gaps
@@ -105,20 +106,16 @@ def ask(e: Engine, t: float, y: Floats) -> int:
     r.answered = False
     if ports_of(e, r, e.state) != OK:
         return OK
-    for k in range(m.integrals):
-        r.s[k] = y[m.storages + k]
-    for k in range(m.storages):
-        r.kept_state[k] = y[k]
+    copy_part(m.integrals, y, m.storages, r.s, 0)
+    copy_floats(m.storages, y, r.kept_state)
     set_values(e, open_mode(e, r.now), r.v, t, r.kept_state, r.s)
     for k in range(2 * m.bonds):
         r.v[m.bond_slot + k] = 0.0
     energy = e.energy
-    for p in range(e.parts):
-        r.kept_energy[p] = e.part_energy[p]
+    copy_floats(e.parts, e.part_energy, r.kept_energy)
     found = check_gaps(e, r, r.kept_state)
     e.energy = energy
-    for p in range(e.parts):
-        e.part_energy[p] = r.kept_energy[p]
+    copy_floats(e.parts, r.kept_energy, e.part_energy)
     if found != OK:
         e.fault.t = t
     return found

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
@@ -54,8 +55,7 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     if not show_speeds(e, r, r.x, c.before):
         return
     if by_branches:
-        for b in range(2 * m.bonds):
-            c.prior[b] = e.pre[m.bond_slot + b]
+        copy_part(2 * m.bonds, e.pre, m.bond_slot, c.prior, 0)
         times_partner(m, r.now, c.prior, c.before)
     for k in range(m.ports):
         if not by_branches and m.impact == NEWTON_SIMULTANEOUS and r.pressed[k] != 0:
@@ -164,10 +164,8 @@ def show_speeds(e: Engine, r: Laws, x: Floats, speed: Floats) -> bool:
     """
     m = e.model
     mode = open_mode(e, r.now)
-    for k in range(2 * m.slots):
-        r.later[k] = r.v[k]
-    for s in range(m.storages):
-        r.later[m.stored_slot + s] = x[s]
+    copy_floats(2 * m.slots, r.v, r.later)
+    copy_part(m.storages, x, 0, r.later, m.stored_slot)
     for k in range(m.ports):
         r.l[k] = 0.0
     hold_guess(e, mode)

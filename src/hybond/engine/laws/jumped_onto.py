@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_places
 from hybond.engine.laws.law_instant import NO_LAW_VALUE
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.ports import partner_row, partner_way
@@ -53,11 +54,9 @@ def find_jumped_onto(m: Model, r: Laws) -> None:
 
 def spread(m: Model, r: Laws) -> None:
     """Let all that lies in a row with what is pressed count as pressed."""
-    for k in range(m.ports):
-        r.in_row[k] = r.pressed[k]
+    copy_places(m.ports, r.pressed, 0, r.in_row, 0)
     grow(m, r)
-    for k in range(m.ports):
-        r.pressed[k] = r.in_row[k]
+    copy_places(m.ports, r.in_row, 0, r.pressed, 0)
 
 
 def grow(m: Model, r: Laws) -> None:

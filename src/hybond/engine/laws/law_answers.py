@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.complementarity.all_branches import answer_laws
 from hybond.engine.complementarity.decided_closely import (
@@ -83,10 +84,8 @@ def solve_branches(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bo
     """
     m = e.model
     if asks_friction(e, r):
-        for i in range(2 * m.slots):
-            r.later[i] = r.v[i]
-        for b in range(2 * m.bonds):
-            r.later[m.bond_slot + b] = r.response.bonds[b]
+        copy_floats(2 * m.slots, r.v, r.later)
+        copy_part(2 * m.bonds, r.response.bonds, 0, r.later, m.bond_slot)
     count_work(e, (m.ports + 8) * (m.ports + 8) * (m.ports + 8))
     rests = put_problem(e, r, q, h, shifted)
     found = solve_problem(e, r, rests and not shifted)
@@ -212,12 +211,10 @@ def put_disks(e: Engine, r: Laws) -> bool:
         some_rest = True
         linearise_limit(e, r, first, p.slid[d] == 0)
         p.rest[d] = r.problem.limit[first]
-        for j in range(n):
-            p.rest_slope[d * n + j] = r.problem.slope[first * n + j]
+        copy_part(n, r.problem.slope, first * n, p.rest_slope, d * n)
         linearise_limit(e, r, first, False)
         p.limit[d] = r.problem.limit[first]
-        for j in range(n):
-            p.limit_slope[d * n + j] = r.problem.slope[first * n + j]
+        copy_part(n, r.problem.slope, first * n, p.limit_slope, d * n)
     return some_rest
 
 

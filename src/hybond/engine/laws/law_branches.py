@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.svd import null_space
 from hybond.engine.answers import node_name
 from hybond.engine.complementarity.law_roles import (
@@ -138,8 +139,7 @@ def has_answered(e: Engine, r: Laws, x: Floats) -> bool:
 def keep_answered(e: Engine, r: Laws, x: Floats) -> None:
     """Keep at which state the graph has answered; one that is not linear says less in a jump."""
     r.answered = r.now.linear and not r.at_once
-    for k in range(e.model.storages):
-        r.answered_x[k] = x[k]
+    copy_floats(e.model.storages, x, r.answered_x)
 
 
 def lasting_role(m: Model, r: Laws, k: int) -> int:
@@ -194,8 +194,7 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
         if TRY_CLEAN[r.attempt] != 0:
             clean(m, r, r.y)
         else:
-            for k in range(n):
-                r.y[k] = a.y[k]
+            copy_floats(n, a.y, r.y)
         for k in range(n):
             r.role[k] = lasting_role(m, r, k)
         hold_disks(e, r)

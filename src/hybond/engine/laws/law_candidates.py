@@ -4,6 +4,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.answers import machine_name
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.expressions.paired import holds
@@ -49,8 +50,7 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     if begin_trial(e, r.t, x, signals, r.candidate) != OK:
         return STOPS
     e.trial.factors = 0
-    for k in range(m.storages):
-        r.swept[k] = r.here[k]
+    copy_floats(m.storages, r.here, r.swept)
     if r.leaps:
         found = leap_candidate(e, r, x, signals)
         if found != STANDS:
@@ -66,10 +66,8 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
     if r.struck:
         e.trial.factors = r.factors
         e.moved = r.struck_moved
-        for b in range(2 * m.bonds):
-            e.impulses[b] = r.struck_impulses[b]
-        for k in range(m.storages):
-            e.trial.x[k] = r.swept[k]
+        copy_floats(2 * m.bonds, r.struck_impulses, e.impulses)
+        copy_floats(m.storages, r.swept, e.trial.x)
     elif r.jumping:
         if r.leaps:
             take_factors(e, e.mode, e.v)
@@ -77,11 +75,9 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
             return STOPS
         if r.shifted:
             # what an earlier answer swept up was dust, and stays swept
-            for k in range(m.storages):
-                e.trial.x[k] = r.swept[k]
+            copy_floats(m.storages, r.swept, e.trial.x)
     else:
-        for k in range(m.storages):
-            e.trial.x[k] = x[k]
+        copy_floats(m.storages, x, e.trial.x)
     e.trial.struck = False
     e.trial.dusted = False
     e.trial.valueless = False
@@ -130,8 +126,7 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
     """
     m = e.model
     if e.mode.agreements.rows > 0:
-        for k in range(m.storages):
-            e.v[m.stored_slot + k] = r.here[k]
+        copy_part(m.storages, r.here, 0, e.v, m.stored_slot)
         if check_agreement(e, e.mode, e.v) != OK:
             return NO_ENTRY
     if jump_into(e, r.here, r.swept) != OK:
@@ -246,8 +241,7 @@ def note_state(m: Model, r: Laws) -> None:
             same = same and r.state_at[turn * m.storages + k] == r.swept[k]
         if same:
             return
-    for k in range(m.storages):
-        r.state_at[r.states * m.storages + k] = r.swept[k]
+    copy_part(m.storages, r.swept, 0, r.state_at, r.states * m.storages)
     r.states += 1
 
 
@@ -263,6 +257,5 @@ def note_turned(m: Model, r: Laws) -> None:
             same = same and r.asked_at[turn * m.machines + k] == r.candidate[k]
         if same:
             return
-    for k in range(m.machines):
-        r.asked_at[r.asked * m.machines + k] = r.candidate[k]
+    copy_places(m.machines, r.candidate, 0, r.asked_at, r.asked * m.machines)
     r.asked += 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import copy_part
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.answers import node_name, value
 from hybond.engine.complementarity.law_roles import CUT, SHUT
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -78,10 +78,8 @@ def take_instant(e: Engine, r: Laws, t: float, s: Floats, state: Ints) -> None:
     r.answered = False
     r.parting = False
     r.t = t
-    for k in range(m.integrals):
-        r.s[k] = s[k]
-    for k in range(m.machines):
-        r.state[k] = state[k]
+    copy_floats(m.integrals, s, r.s)
+    copy_places(m.machines, state, 0, r.state, 0)
 
 
 def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
@@ -99,8 +97,7 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     for k in range(2 * m.bonds):
         r.v[m.bond_slot + k] = 0.0
     energy = e.energy
-    for p in range(e.parts):
-        r.kept_energy[p] = e.part_energy[p]
+    copy_floats(e.parts, e.part_energy, r.kept_energy)
     see_energy(e, x)
     found = OK
     if not r.gaps_known:
@@ -109,11 +106,9 @@ def make_consistent(e: Engine, r: Laws, x: Floats) -> int:
     if found == OK:
         found = enter_mode(e, mode, r.v, x, r.x)
     e.energy = energy
-    for p in range(e.parts):
-        e.part_energy[p] = r.kept_energy[p]
+    copy_floats(e.parts, r.kept_energy, e.part_energy)
     e.energies_seen += 1.0
-    for k in range(m.storages):
-        r.v[m.stored_slot + k] = r.x[k]
+    copy_part(m.storages, r.x, 0, r.v, m.stored_slot)
     return found
 
 

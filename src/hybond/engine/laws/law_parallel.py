@@ -22,6 +22,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, grow_block
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT
 from hybond.engine.complementarity.least_shares import least_shares
@@ -139,8 +140,7 @@ def may_exchange(r: Laws, n: int, many: int, j: int, way: float) -> bool:
 
 def keep_left(e: Engine, r: Laws) -> None:
     """Let what was found to be open of shares be so in the mode that is asked for."""
-    for k in range(e.model.machines):
-        r.left_state[k] = r.candidate[k]
+    copy_places(e.model.machines, r.candidate, 0, r.left_state, 0)
 
 
 def add_left(e: Engine, r: Laws) -> None:
@@ -154,8 +154,7 @@ def add_left(e: Engine, r: Laws) -> None:
     many = trial.loose + r.left
     fit(r.left_room, n * many)
     for b in range(n):
-        for j in range(trial.loose):
-            r.left_room.at[b * many + j] = trial.freedom.at[b * trial.loose + j]
+        copy_part(trial.loose, trial.freedom.at, b * trial.loose, r.left_room.at, b * many)
         for j in range(r.left):
             total = 0.0
             size = 0.0
@@ -166,8 +165,7 @@ def add_left(e: Engine, r: Laws) -> None:
             moves = math.fabs(total) > UNMOVED * size
             r.left_room.at[b * many + trial.loose + j] = total if moves else 0.0
     fit(trial.freedom, n * many)
-    for i in range(n * many):
-        trial.freedom.at[i] = r.left_room.at[i]
+    copy_floats(n * many, r.left_room.at, trial.freedom.at)
     trial.loose = many
 
 
@@ -309,8 +307,7 @@ def put_moves(e: Engine, r: Laws, many: int, q: Floats, h: float, rubs: bool) ->
     for i in range(2 * n * many):
         x.basis.at[i] = 0.0
     for i in range(r.many_tried):
-        for j in range(many):
-            x.basis.at[r.tried[i] * many + j] = x.onto.at[i * many + j]
+        copy_part(many, x.onto.at, i * many, x.basis.at, r.tried[i] * many)
     for k in range(n):
         # what is given moves as it is given, and what follows by what is fed through
         x.values.at[k] = r.share_l[k]

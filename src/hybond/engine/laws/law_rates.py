@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
 from hybond.engine.algebra.svd import least_squares
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
@@ -145,8 +145,7 @@ def rates_with(e: Engine, r: Laws) -> int:
             rate = value(m, m.integral_rate[k], r.later) if turn > 0 else 0.0
             r.later_s[k] = r.s[k] + step * rate
         set_values(e, mode, r.later, r.t + step * float(turn), r.moved, r.later_s)
-        for k in range(m.slots):
-            r.later[m.slots + k] = e.pre[k]
+        copy_part(m.slots, e.pre, 0, r.later, m.slots)
         if solve_with(e, r.now, r.later, r.l) != OK:
             return REFUSED
         times_partner(m, r.now, e.work.w, r.rate_after if turn > 0 else r.row)
@@ -171,8 +170,7 @@ def solve_ahead(e: Engine, r: Laws, step: float) -> int:
     for k in range(m.integrals):
         r.later_s[k] = r.s[k] + step * value(m, m.integral_rate[k], r.v)
     set_values(e, open_mode(e, r.now), r.later, r.t + step, r.moved, r.later_s)
-    for k in range(m.slots):
-        r.later[m.slots + k] = e.pre[k]
+    copy_part(m.slots, e.pre, 0, r.later, m.slots)
     for k in range(m.ports):
         r.l[k] = 0.0
     return solve_with(e, r.now, r.later, r.l)
@@ -240,12 +238,9 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
     step = AHEAD * max(e.span, math.fabs(t))
     r.answered = False
     r.broken = 0
-    for k in range(m.storages):
-        r.moved[k] = e.trial.x[k]
-    for k in range(m.integrals):
-        r.later_s[k] = e.trial.s[k]
-    for i in range(2 * m.slots):
-        r.later[i] = e.v[i]
+    copy_floats(m.storages, e.trial.x, r.moved)
+    copy_floats(m.integrals, e.trial.s, r.later_s)
+    copy_floats(2 * m.slots, e.v, r.later)
     hold_guess(e, mode)
     found = OK
     for turn in range(2):
@@ -254,8 +249,7 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
         if turn > 0:
             for a in range(m.atom_first[m.rule_first[m.machines]]):
                 r.atom[a] = value(m, m.atom_value[a], r.later)
-        for b in range(2 * m.bonds):
-            r.zero[b] = r.later[m.bond_slot + b]
+        copy_part(2 * m.bonds, r.later, m.bond_slot, r.zero, 0)
         rates_of_stored(m, r.zero, 1, 0, r.field)
         for k in range(m.storages):
             r.moved[k] += step * r.field[k]

@@ -3,6 +3,7 @@
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.answers import machine_name, node_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.impacts.impact_records import NEWTON, NEWTON_SIMULTANEOUS
@@ -65,24 +66,20 @@ def enter_with_laws(
         if not r.unanswered and (r.now.linear or not r.undecided):
             return REFUSED
         linearised = not r.unanswered
-        for k in range(m.storages):
-            r.here[k] = x[k]
+        copy_floats(m.storages, x, r.here)
         if by_trial(e, r, x) == STANDS:
             r.undecided = False
             return OK
         # what is said of a graph that answers is said by its answers
         return strike(e, r, x) if linearised else REFUSED
     if not r.struck:
-        for k in range(m.storages):
-            r.landed[k] = x[k]
+        copy_floats(m.storages, x, r.landed)
         if jump:
             # the last question of `strike` has put the state there, unless all strike at once
             if not r.answered and make_consistent(e, r, x) != OK:
                 return REFUSED
-            for k in range(m.storages):
-                r.landed[k] = r.x[k]
-    for k in range(m.storages):
-        r.begin[k] = r.landed[k]
+            copy_floats(m.storages, r.x, r.landed)
+    copy_floats(m.storages, r.landed, r.begin)
     if jump and not r.struck and r.sweep and sweep_dust(e, r, r.begin, r.landed) != OK:
         return REFUSED
     r.swept_first = False
@@ -149,8 +146,7 @@ def rubs_in_impacts(m: Model) -> bool:
 def strike_branches(e: Engine, r: Laws, x: Floats) -> int:
     """Make the jump of the branches that carry impulses: Newton's law contact after contact."""
     m = e.model
-    for k in range(m.machines):
-        r.through[k] = r.candidate[k]
+    copy_places(m.machines, r.candidate, 0, r.through, 0)
     if begin_trial(e, r.t, x, r.s, r.through) != OK:
         return REFUSED
     take_factors(e, e.mode, e.v)
@@ -159,22 +155,19 @@ def strike_branches(e: Engine, r: Laws, x: Floats) -> int:
     r.struck = True
     r.struck_moved = e.moved
     r.factors = e.trial.factors
-    for b in range(2 * m.bonds):
-        r.struck_impulses[b] = e.impulses[b]
+    copy_floats(2 * m.bonds, e.impulses, r.struck_impulses)
     return OK
 
 
 def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
     """Look for branches that last from one of the states that differ by rounding."""
     m = e.model
-    for k in range(m.storages):
-        r.here[k] = r.state_at[turn * m.storages + k]
+    copy_part(m.storages, r.state_at, turn * m.storages, r.here, 0)
     r.asked = 0
     r.shifted = turn > 0 or r.swept_first
     still = not r.struck or r.struck_moved != JUMPS
     if stay and still and turn == 0:
-        for k in range(m.machines):
-            r.candidate[k] = r.state[k]
+        copy_places(m.machines, r.state, 0, r.candidate, 0)
         found = try_candidate(e, r, x, False)
         if found == STANDS or found == STOPS:
             return found
@@ -188,8 +181,7 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
             if found == BROKEN and r.shared and r.asked > first:
                 # what a machine switches has a share as well, which may ask a law for less than
                 # nothing: others beside it then do without it
-                for k in range(m.machines):
-                    r.candidate[k] = r.asked_at[first * m.machines + k]
+                copy_places(m.machines, r.asked_at, first * m.machines, r.candidate, 0)
                 found = try_candidate(e, r, x, False)
             if found == STANDS or found == STOPS:
                 return found
@@ -201,8 +193,7 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
         # what is violated is turned, which is accepted only if it stands as well: a law at its end
         # is known to rounding there, and to less where rates are differences. Dust comes after it
         while at < r.asked:
-            for k in range(m.machines):
-                r.candidate[k] = r.asked_at[at * m.machines + k]
+            copy_places(m.machines, r.asked_at, at * m.machines, r.candidate, 0)
             at += 1
             found = try_candidate(e, r, x, False)
             if found == STANDS or found == STOPS:
@@ -222,8 +213,7 @@ def observe(e: Engine, v: Floats) -> None:
             gap = math.fabs(quantity(m, m.port_gap, m.port_gap_constant, k, v))
             if math.isfinite(gap):
                 r.largest[k] = max(r.largest[k], gap)
-    for k in range(m.storages):
-        r.moved[k] = v[m.stored_slot + k]
+    copy_part(m.storages, v, m.stored_slot, r.moved, 0)
     see_linear_energy(e, r.moved)
     remember(e, e.mode, v[0] - e.t, r.moved)
 

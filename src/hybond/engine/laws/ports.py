@@ -28,7 +28,7 @@ from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.equations import check_depth, make_equations
 from hybond.engine.mode.kept_modes import is_same
 from hybond.engine.mode.mode_records import Mode, make_mode
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.mode.rows.tableau import COMMON, NET, NOT_OPEN
 from hybond.engine.mode.solving import solve
 from hybond.engine.model import Model
@@ -212,5 +212,4 @@ def rates_of_stored(m: Model, w: Floats, n: int, column: int, rates: Floats) -> 
     """Put the rates that a column of bond variables, of n, makes there, in the same column."""
     for k in range(m.storages):
         at = rate_bond(m, k)
-        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
-        rates[k * n + column] = sign * w[at * n + column]
+        rates[k * n + column] = way_of_rate(m, k) * w[at * n + column]

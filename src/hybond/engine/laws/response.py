@@ -7,7 +7,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_size
-from hybond.engine.algebra.products import times_cancelling
+from hybond.engine.algebra.products import copy_floats, copy_part, times_cancelling
 from hybond.engine.algebra.rounding import CANCELS, EPSILON
 from hybond.engine.algebra.scaling import power_of_two
 from hybond.engine.answers import value
@@ -70,8 +70,7 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
         r.l[k] = 0.0
     if solve_with(e, p, v, r.l) != OK:
         return REFUSED
-    for b in range(2 * m.bonds):
-        a.bonds[b] = e.work.w[b]
+    copy_floats(2 * m.bonds, e.work.w, a.bonds)
     times_partner(m, p, a.bonds, a.y)
     find_sizes(e, p, a)
     rates_of_stored(m, a.bonds, 1, 0, r.field)
@@ -186,8 +185,7 @@ def find_constant(e: Engine, r: Laws, v: Floats) -> int:
             for i in range(m.stiff_first[z], m.stiff_first[z + 1]):
                 at = k * m.storages + m.stiff_other[i]
                 p.seen[at] += r.row[z] * m.stiff_constant[i]
-        for s in range(mode.sources):
-            p.through[k * m.most_sources + s] = r.row[m.storages + s]
+        copy_part(mode.sources, r.row, m.storages, p.through, k * m.most_sources)
     times_cancelling(n, m.storages, n, p.seen, p.e, p.ce)
     # at once, and by what is stored
     through = is_indefinite(n, p.d, r.q, r.units, r.block)
@@ -236,8 +234,7 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
                     if mode.direct.column.at[i] == m.storages + p.column[k]:
                         gain[b * m.ports + k] = mode.direct.value.at[i] * p.sign[k]
         return OK
-    for i in range(2 * m.slots):
-        r.kept[i] = v[i]
+    copy_floats(2 * m.slots, v, r.kept)
     for k in range(m.ports):
         r.l[k] = 0.0
     if solve_with(e, p, v, r.l) != OK:
@@ -255,8 +252,7 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
             moved = e.work.w[b] - r.zero[b]
             still = math.fabs(moved) <= DIGITS * max(r.zero_terms[b], size_of_terms(e, mode, b))
             gain[b * m.ports + k] = 0.0 if still else moved / unit
-    for i in range(2 * m.slots):
-        v[i] = r.kept[i]
+    copy_floats(2 * m.slots, r.kept, v)
     return OK
 
 
@@ -296,8 +292,7 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     n = m.ports
     reach = e.work.reach
     reach_of(e, open_mode(e, p), x, reach)
-    for i in range(2 * m.slots):
-        r.kept[i] = v[i]
+    copy_floats(2 * m.slots, v, r.kept)
     for k in range(n):
         r.l[k] = 0.0
     for j in range(n):
@@ -331,8 +326,7 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
             moved = a.ce[k * n + j]
             still = math.fabs(moved) <= DIGITS * r.row_terms[k]
             a.ce[k * n + j] = 0.0 if still else moved / (2.0 * h)
-    for i in range(2 * m.slots):
-        v[i] = r.kept[i]
+    copy_floats(2 * m.slots, r.kept, v)
     return OK
 
 
@@ -353,8 +347,7 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     for k in range(m.ports):
         r.l[k] = 0.0
     set_values(e, mode, r.later, r.t + step, r.moved, r.ahead)
-    for k in range(m.slots):
-        r.later[m.slots + k] = e.pre[k]
+    copy_part(m.slots, e.pre, 0, r.later, m.slots)
     if solve_with(e, p, r.later, r.l) != OK:
         return REFUSED
     times_partner(m, p, e.work.w, r.row)

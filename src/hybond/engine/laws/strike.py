@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.answers import node_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.impacts.impact_laws import exchange_impulses
@@ -54,8 +55,7 @@ def strike_at_once(e: Engine, r: Laws, x: Floats) -> int:
     if make_consistent(e, r, x) != OK:
         return REFUSES
     # what sources alone ask for is an impulse as well
-    for b in range(2 * m.bonds):
-        r.struck_impulses[b] = e.impulses[b]
+    copy_floats(2 * m.bonds, e.impulses, r.struck_impulses)
     if respond(e, r, r.v, r.x, False) != OK:
         return REFUSES
     find_rounding(e, r)
@@ -134,10 +134,8 @@ def put_impulses_of(m: Model, r: Laws, i: Impact) -> None:
     """Let the impulses of contacts act on what is stored, and through all bonds."""
     n = m.ports
     a = r.response
-    for s in range(m.storages):
-        r.landed[s] = r.x[s]
-    for k in range(m.machines):
-        r.through[k] = r.state[k]
+    copy_floats(m.storages, r.x, r.landed)
+    copy_places(m.machines, r.state, 0, r.through, 0)
     for p in range(i.n):
         k = r.tried[p]
         nu = i.impulses[p]
@@ -159,12 +157,9 @@ def carrying(m: Model, k: int) -> int:
 def is_reached(e: Engine, r: Laws, i: Impact) -> int:
     """Refuse storage that does not follow the law: HB-J206."""
     m = e.model
-    for k in range(m.machines):
-        e.trial.state[k] = r.state[k]
-    for k in range(2 * m.slots):
-        r.later[k] = r.v[k]
-    for s in range(m.storages):
-        r.later[m.stored_slot + s] = r.landed[s]
+    copy_places(m.machines, r.state, 0, e.trial.state, 0)
+    copy_floats(2 * m.slots, r.v, r.later)
+    copy_part(m.storages, r.landed, 0, r.later, m.stored_slot)
     for k in range(m.ports):
         r.l[k] = 0.0
     if solve_with(e, r.now, r.later, r.l) != OK:
@@ -190,8 +185,7 @@ def refuse_impact(e: Engine, r: Laws, found: int) -> int:
     """
     m = e.model
     i = r.impact
-    for k in range(m.machines):
-        e.trial.state[k] = r.state[k]
+    copy_places(m.machines, r.state, 0, e.trial.state, 0)
     for k in range(m.ports):
         if m.port_two_sided[k] == 0:
             e.trial.state[m.port_machine[k]] = 0

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import OK, Engine
 from hybond.engine.looking.look import Look
 from hybond.engine.mode.digits.closely import closely
@@ -20,8 +21,7 @@ NOT_LINEAR: Final = -1
 def look_stored(e: Engine, l: Look, many: int, y: Floats, out: Floats) -> int:
     """Put the stored energy of states there, J: rows of `y`, as many as are said."""
     for i in range(many):
-        for k in range(e.states):
-            l.y[k] = y[i * e.states + k]
+        copy_part(e.states, y, i * e.states, l.y, 0)
         out[i] = energy_of(e, l.y)
     return OK
 
@@ -51,8 +51,6 @@ def look_by_knowns(e: Engine, many: int, known: Floats, out: Floats) -> None:
     size = m.storages + 2 * mode.sources
     n = 2 * m.bonds
     for i in range(many):
-        for k in range(size):
-            e.work.xi[k] = known[i * size + k]
+        copy_part(size, known, i * size, e.work.xi, 0)
         closely(e, mode, mode.direct, e.work.w)
-        for k in range(n):
-            out[i * n + k] = e.work.w[k]
+        copy_part(n, e.work.w, 0, out, i * n)

@@ -10,6 +10,7 @@ linear mode only what is asked for is evaluated, and of the state only what that
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import fit_places
+from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.contacts.rest import find_moved
 from hybond.engine.engine import OK, REFUSED, Engine
@@ -80,7 +81,6 @@ def make_look(e: Engine) -> Look:
     l.meters = make_ask(m)
     l.points = Points()
     l.y = floats(e.states)
-    l.past = 0.0
     l.vanishing = ints(m.slots)
     ask_for_powers(m, l.meters)
     return l
@@ -135,13 +135,11 @@ def look_into(
     e.slide.many = surfaces
     e.slide.slid_product = product != 0
     e.slide.has_last = False
-    for j in range(surfaces):
-        e.slide.surface[j] = surface[j]
+    copy_places(surfaces, surface, 0, e.slide.surface, 0)
     e.slide.branches = 0
     e.slide.given = rows > 0
     for row in range(rows if m.laws > 0 or m.followers > 0 else 0):
-        for k in range(m.machines):
-            e.slide.target[k] = branch[row * m.machines + k]
+        copy_places(m.machines, branch, row * m.machines, e.slide.target, 0)
         add_branches(m, e.slide, e.slide.target)
     l.held_known = False
     l.values.known = False
@@ -180,8 +178,7 @@ def look_from(e: Engine, many: int, wide: int, when: Floats, given: Floats) -> N
 
 def set_flags(m: Model, mode: Mode, v: Floats) -> None:
     """Write the Booleans of a mode."""
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
 
 
 def points_at(l: Look, many: int, t: Floats, y: Floats, accepted: Ints) -> None:
@@ -357,8 +354,7 @@ def look_parts(e: Engine, l: Look, coefficient: Floats, out: Floats) -> int:
             coefficient[at] = s.coefficient[part] if s.k > 0 else 1.0
             if s.k > 0:
                 set_flags(m, part_mode(e, part), e.v)
-                for b in range(2 * m.bonds):
-                    e.v[m.bond_slot + b] = s.solution[part * 2 * m.bonds + b]
+                copy_part(2 * m.bonds, s.solution, part * 2 * m.bonds, e.v, m.bond_slot)
             put_asked(e, l, out, at * a.many)
         set_flags(m, e.mode, e.v)
     return OK

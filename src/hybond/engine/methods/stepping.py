@@ -151,7 +151,7 @@ def reach(e: Engine, t: float) -> None:
         r = e.radau
         k = r.pieces - 1
         factor = stretched(r.piece_t0[k], r.piece_t1[k], t)
-        stretch(n, 4, factor, r.piece_polynomial, 4 * k * n)
+        stretch(n, factor, r.piece_polynomial, 4 * k * n)
         if factor > FARTHER:
             for i in range(n):
                 r.piece_y1[k * n + i] = s.y1[i]
@@ -159,7 +159,7 @@ def reach(e: Engine, t: float) -> None:
         r.piece_t1[k] = t
     else:
         factor = stretched(s.t0, s.t1, t)
-        stretch(n, 4, factor, s.dense, 0)
+        stretch(n, factor, s.dense, 0)
         if factor > FARTHER:
             for i in range(n):
                 s.dense[i] = s.y1[i] - s.y0[i]
@@ -171,13 +171,13 @@ def stretched(t0: float, t1: float, t: float) -> float:
     return (t - t0) / (t1 - t0) if t1 > t0 else 1.0
 
 
-def stretch(n: int, rows: int, factor: float, dense: Floats, at: int) -> None:
+def stretch(n: int, factor: float, dense: Floats, at: int) -> None:
     """Write coefficients of powers of the part of a step for one so many times as long.
 
     Only a few times: farther off they are rounding, and zero.
     """
     power = 1.0 if factor <= FARTHER else 0.0
-    for row in range(rows):
+    for row in range(4):
         power *= factor
         for i in range(n):
             dense[at + row * n + i] *= power

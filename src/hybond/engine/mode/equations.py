@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_rows
+from hybond.engine.algebra.products import copy_floats, copy_places
 from hybond.engine.engine import NO_MODE, OK, Engine, say_fault
 from hybond.engine.inputs.interval import configuration
 from hybond.engine.mode.digits.lesser_sizes import keep_sizes, take_lesser
@@ -98,8 +99,7 @@ def check_depth(e: Engine, mode: Mode) -> int:
 
 def make_equations(e: Engine, mode: Mode, given: Ints) -> None:
     """Eliminate a configuration and keep what evaluation asks for."""
-    for j in range(e.model.junctions):
-        mode.given[j] = given[j]
+    copy_places(e.model.junctions, given, 0, mode.given, 0)
     mode.weighed = False
     mode.closely = False
     mode.lost = 0.0
@@ -205,8 +205,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     power = e.work.power
     built = e.work.built
     mode.doubted = power.doubted or built.doubted
-    for k in range(2 * m.bonds):
-        mode.same[k] = power.same[k]
+    copy_places(2 * m.bonds, power.same, 0, mode.same, 0)
     mode.finite_frees = free_columns(built, mode.free_column)
     mode.bent = False
     for k in range(2 * m.bonds):
@@ -286,8 +285,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
         return
     fit(mode.freedom, 2 * m.bonds * mode.finite_frees)
     mode.loose = mode.finite_frees
-    for i in range(2 * m.bonds * mode.finite_frees):
-        mode.freedom.at[i] = mode.finite_free.at[i]
+    copy_floats(2 * m.bonds * mode.finite_frees, mode.finite_free.at, mode.freedom.at)
     least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
     if mode.leakage.stages > 0:
         fold(e, mode)

@@ -397,7 +397,6 @@ def make_mode(m: Model) -> Mode:
     mode.settles_with = ints(m.storages)
     for k in range(m.storages):
         mode.settles_with[k] = -1
-    mode.any_settles = False
     mode.fades_by = floats(m.storages)
     mode.fades_with = ints(m.storages)
     mode.fades_to = floats(m.storages)

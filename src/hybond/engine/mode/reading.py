@@ -12,7 +12,7 @@ from hybond.engine.mode.digits.closely import rate_by_row, row_twofold
 from hybond.engine.mode.mode_records import Mode, Reads
 from hybond.engine.mode.rows.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.rows.storage import co_energy_of, law_at
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -108,13 +108,13 @@ def rates_by_knowns(e: Engine, mode: Mode, v: Floats, rate: Floats) -> None:
     put_knowns(e, mode, mode.rates, v)
     for k in range(m.storages):
         row = mode.rate_row[k]
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+        way = way_of_rate(m, k)
         if mode.closely:
             total = row_twofold(e.work, mode.direct, row, xi)
-            e.rate_rest[k] = -e.work.over if negative else e.work.over
+            e.rate_rest[k] = way * e.work.over
         else:
             total = row_times(mode.direct, row, xi)
-        rate[k] = -total if negative else total
+        rate[k] = way * total
     show_read(e, mode, mode.signals, v)
 
 

@@ -16,7 +16,7 @@ from hybond.engine.mode.digits.closely import closely, sum_closely
 from hybond.engine.mode.equations import eliminate_by, level_of
 from hybond.engine.mode.left_free.undetermined import least_of_free
 from hybond.engine.mode.mode_records import Mode, Reads
-from hybond.engine.mode.nonlinear.branch import begin_at_root, begin_on_branch
+from hybond.engine.mode.nonlinear.branch import begin_on_branch
 from hybond.engine.mode.nonlinear.newton import by_knowns, keep_guess, knowns_of, newton
 from hybond.engine.mode.nonlinear.newton_system import largest_of, measure_terms, write_bonds
 from hybond.engine.mode.nonlinear.put_back import HIDDEN, UNIT, is_known
@@ -72,7 +72,7 @@ def by_newton(e: Engine, mode: Mode, v: Floats) -> int:
     if mode.branch.known and mode.guessed:
         begin_on_branch(e, mode, v[0])
     elif begins_elsewhere(e, mode):
-        begin_at_root(mode, e.root_now)
+        keep_guess(mode, e.root_now)
         mode.branch.since = e.roots_kept
     knowns_of(e, mode, v, True)
     if newton_with_digits(e, mode, v) != OK:

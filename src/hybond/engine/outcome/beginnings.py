@@ -73,16 +73,11 @@ def place_of(
     return np.array([*mode, *at, *slid, int(product)], dtype=np.intc)
 
 
-def beginning_of(start: State, graph: FlatGraph, tables: ModelTables, way: int = 0) -> Beginning:
+def beginning_of(start: State, graph: FlatGraph, tables: ModelTables) -> Beginning:
     """Return how a run of a model begins with a state.
 
     Of the same model it goes on. Of another one it has the states of storages and signals, which
     both must have, and of the machines that both have; it is settled as at any start.
-
-    Parameters
-    ----------
-    way : int
-        CHANGED for a model with the same structure whose parameters were set in a run.
 
     Raises
     ------
@@ -90,11 +85,11 @@ def beginning_of(start: State, graph: FlatGraph, tables: ModelTables, way: int =
         HB-S134 for names that only one of them has, or states that are none.
     """
     memory = start.memory
-    if memory is not None and (way or memory.fingerprint == fingerprint_of(graph)):
+    if memory is not None and memory.fingerprint == fingerprint_of(graph):
         number = np.array(memory.number, dtype=np.float64)
         place = np.array(memory.place, dtype=np.intc)
         _check(graph, tables, number, place, deep=memory.deep)
-        return Beginning(number, place, way or GOES_ON, memory.deep, states_of(graph))
+        return Beginning(number, place, GOES_ON, memory.deep, states_of(graph))
     paths = [s.path for s in graph.storages], [i.path for i in graph.integrals]
     y = [*_by_name(start.stored, paths[0]), *_by_name(start.signals, paths[1])]
     here = {m.path for m in graph.machines}

@@ -127,7 +127,7 @@ def _sources(c: Case) -> Said:
         why = f"{names} prescribe the same variable and differ by {difference:.6g}"
     chains = _in_words(c.graph, mode, conflicts)
     hint = against_conflict(nodes, "; switches: " in chains)
-    hint += as_diodes(c.graph, mode, conflicts)
+    hint += as_diodes(c.graph, conflicts)
     hint = f"{join(ends)}; or {hint}" if ends else hint
     return Said(f"{why} {c.now}. {chains}".removesuffix(". "), c.graph.mode_text(mode), hint)
 

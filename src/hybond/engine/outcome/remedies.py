@@ -58,7 +58,7 @@ def against_conflict(nodes: list[Node], switched: bool) -> str:
     return hint + (", or change what switches it so" if switched else "")
 
 
-def as_diodes(graph: FlatGraph, mode: Mode, conflicts: Iterable[Conflict]) -> str:
+def as_diodes(graph: FlatGraph, conflicts: Iterable[Conflict]) -> str:
     """Return which junctions could have a law in place of rules that are a diode's; "" for none.
 
     Machines fire on what holds in the mode they are in: where another switch closes, one that

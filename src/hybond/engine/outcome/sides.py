@@ -27,7 +27,6 @@ def machine_instead(graph: FlatGraph, path: str) -> str:
 
     Parameters
     ----------
-    graph : FlatGraph
     path : str
         Of the element whose law jumps, or of the signal whose rate does.
     """

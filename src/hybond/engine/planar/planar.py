@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.svd import rank_above, svd
 from hybond.engine.answers import node_name
@@ -78,8 +78,7 @@ def put_on_the_way(m: Model, p: Planar, q: LawProblem, d: int) -> None:
     n = m.ports
     first = m.disk_port[2 * d]
     limit = q.limit[first]
-    for j in range(n):
-        p.limit_slope[d * n + j] = q.slope[first * n + j]
+    copy_part(n, q.slope, first * n, p.limit_slope, d * n)
     for way in range(2):
         k = m.disk_port[2 * d + way]
         q.limit[k] = limit * p.way[2 * d + way]
@@ -275,8 +274,7 @@ def find_edge(p: Planar) -> bool:
     for k in range(2):
         p.disk.f0[k] = p.f0[k]
         p.disk.slope[k] = p.follow[k]
-    for k in range(4):
-        p.disk.a[k] = p.a[k]
+    copy_floats(4, p.a, p.disk.a)
     p.disk.limit = p.reach
     return on_disk(p.disk)
 
@@ -362,8 +360,7 @@ def solve_alone(e: Engine, q: LawProblem, start: Ints, d: int) -> bool:
     if p.f0[0] == 0.0 and p.f0[1] == 0.0:
         return True
     r = e.laws
-    for k in range(4):
-        r.block[k] = p.a[k]
+    copy_floats(4, p.a, r.block)
     svd(r.svd, 2, 2, r.block)
     regular = rank_above(r.svd, 2, 2.0 * EPSILON * r.svd.s[0]) == 2
     if regular and lu_factor(2, r.block, r.tried) != SINGULAR:
@@ -408,8 +405,7 @@ def disks_fit(m: Model, p: Planar, q: LawProblem) -> bool:
 
 def put_headings(m: Model, p: Planar, s: Floats, state: Ints) -> None:
     """Put the signals there with the heading of what begins to slip in a mode."""
-    for k in range(m.integrals):
-        p.signals[k] = s[k]
+    copy_floats(m.integrals, s, p.signals)
     if not p.ready:
         return
     for d in range(m.disks):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import largest_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.guard_values import show
@@ -119,9 +120,7 @@ def dust_of_rate(e: Engine, i: int) -> float:
         own = value(m, m.integral_size[i - m.storages], e.v)
         return DUST * own if math.isfinite(own) else 0.0
     first = m.bond_slot + (m.bonds if m.storage_kind[i] == 0 else 0)
-    most = 0.0
-    for k in range(m.bonds):
-        most = max(most, math.fabs(e.v[first + k]))
+    most = largest_part(m.bonds, e.v, first)
     return DUST * most
 
 

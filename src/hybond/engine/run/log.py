@@ -18,6 +18,7 @@ from hybond.engine.algebra.blocks import (
     make_block,
     make_places,
 )
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.engine import Engine
 from hybond.engine.instant.instant import MYTHICAL, START, Instant, note_step
 from hybond.engine.method_numbers import MOREAU
@@ -193,8 +194,7 @@ def report_slide(e: Engine, r: Report) -> None:
     r.slides_made += 1
     r.slide_number = r.slides_made if e.slide.many > 0 else 0
     grow_places(r.slid, r.slids + length)
-    for k in range(length):
-        r.slid.at[r.slids + k] = next_one.at[k]
+    copy_places(length, next_one.at, 0, r.slid.at, r.slids)
     r.slids += length
     r.slide_next = r.slide_row
     r.slide_row = next_one
@@ -258,8 +258,7 @@ def write_bonds_of_step(e: Engine, r: Report) -> None:
     """
     s = e.stepping
     r.energy = e.energy
-    for k in range(e.states):
-        r.left[k] = s.begin_y[k]
+    copy_floats(e.states, s.begin_y, r.left)
     if s.begins or r.bond_rows == 0:
         write_bond_row(r, s.begin_w)
     write_bond_row(r, s.w)
@@ -275,8 +274,7 @@ def write_bond_row(r: Report, w: Floats) -> None:
     """Write a row of bond variables."""
     n = r.bond_wide
     grow_block(r.step_bonds, n * (r.bond_rows + 1))
-    for k in range(n):
-        r.step_bonds.at[n * r.bond_rows + k] = w[k]
+    copy_part(n, w, 0, r.step_bonds.at, n * r.bond_rows)
     r.bond_rows += 1
 
 
@@ -326,8 +324,7 @@ def write_end(e: Engine, r: Report, y: Floats) -> None:
     """Write down the state at which the last step was ended."""
     n = e.states
     at = 3 * n * (r.steps - 1) + 2 * n
-    for k in range(n):
-        r.step_state.at[at + k] = y[k]
+    copy_part(n, y, 0, r.step_state.at, at)
 
 
 def report_end(e: Engine, r: Report) -> None:
@@ -346,8 +343,7 @@ def keep_left(e: Engine, r: Report) -> None:
 def note_left(e: Engine, r: Report) -> None:
     """Note the present state as that before what happens next."""
     r.energy = e.energy
-    for k in range(e.states):
-        r.left[k] = e.y[k]
+    copy_floats(e.states, e.y, r.left)
 
 
 def report_event(e: Engine, r: Report, i: Instant) -> None:

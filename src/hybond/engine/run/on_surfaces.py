@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import moment
 from hybond.engine.methods.stepping import between
@@ -31,13 +32,11 @@ def hold_to_surfaces(e: Engine, t: float) -> int:
     s.parts_now = False
     jumps = note_jumps(e, t, e.y)
     before = t
-    for k in range(n):
-        s.y[k] = e.y[k]
+    copy_floats(n, e.y, s.y)
     if jumps:
         before = before_jump(e, t)
         between(e, before, e.y)
-    for k in range(n):
-        s.put_from[k] = e.y[k]
+    copy_floats(n, e.y, s.put_from)
     if onto_surfaces(e, before, e.y) != OK:
         return REFUSED
     far = is_far(e, s.put_from, e.y)

@@ -21,7 +21,6 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.stepping import between
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.branch import (
-    begin_at_root,
     forget_points,
     groups_of,
     know,
@@ -72,7 +71,7 @@ def begin_to_follow(e: Engine, again: bool) -> None:
     b = mode.branch
     if e.root_given or e.root_known != 0.0:
         # what another run hands on, or what was followed before an event
-        begin_at_root(mode, e.root_before if again and e.root_given else e.root_now)
+        keep_guess(mode, e.root_before if again and e.root_given else e.root_now)
     e.root_given = False
     e.root_known = 0.0
     # what a run moves by that is unsound already is nothing to follow
@@ -142,7 +141,7 @@ def follow_roots(e: Engine) -> None:
             # rows were eliminated anew: what slopes are by, and the sign of their determinant
             again += 1
             begin_signs(e, mode)
-        elif shortest and is_flat(mode):
+        elif shortest and is_flat(e, mode):
             # from rest a flow may go as a root of time: what comes of it is followed from there on
             b.points = 0
             gone = s.t1
@@ -154,13 +153,13 @@ def follow_roots(e: Engine) -> None:
         see_what_moved(e, mode)
 
 
-def is_flat(mode: Mode) -> bool:
+def is_flat(e: Engine, mode: Mode) -> bool:
     """Whether slopes at the last point leave something free, as of an orifice that is shut.
 
     There laws have no solution that could be followed to another one; it is as short as it may be.
     """
     for g in range(groups_of(mode)):
-        if mode.branch.sign.at[g] == 0.0:
+        if e.work.following.sign.at[g] == 0.0:
             return True
     return False
 
@@ -168,115 +167,117 @@ def is_flat(mode: Mode) -> bool:
 def begin_signs(e: Engine, mode: Mode) -> None:
     """Take the signs of slopes at the last point."""
     b = mode.branch
+    f = e.work.following
     write_at(e, b.when.at[b.points - 1])
-    fit(b.sign, groups_of(mode))
-    fit(b.now, groups_of(mode))
+    fit(f.sign, groups_of(mode))
+    fit(f.now, groups_of(mode))
     for g in range(groups_of(mode)):
-        b.sign.at[g] = 0.0
-    fit(b.here, mode.finite_frees)
-    take_unknowns(e, mode, b.here.at)
+        f.sign.at[g] = 0.0
+    fit(f.here, mode.finite_frees)
+    take_unknowns(e, mode, f.here.at)
     know(e, mode, e.v)
-    if step_from(e, mode, e.v, b.here.at):
-        take_signs(mode, b.sign.at)
+    if step_from(e, mode, e.v, f.here.at):
+        take_signs(e, mode, f.sign.at)
 
 
-def turns(mode: Mode) -> bool:
+def turns(e: Engine, mode: Mode) -> bool:
     """Whether slopes have another sign after the last step of Newton's than at the last point."""
-    b = mode.branch
-    take_signs(mode, b.now.at)
+    f = e.work.following
+    take_signs(e, mode, f.now.at)
     for g in range(groups_of(mode)):
-        if b.sign.at[g] * b.now.at[g] < 0.0:
+        if f.sign.at[g] * f.now.at[g] < 0.0:
             return True
     return False
 
 
 def write_at(e: Engine, t: float) -> None:
     """Write what the motion is at a time of the step, but for bond variables."""
-    b = e.mode.branch
-    fit(b.y, e.states)
-    between(e, t, b.y.at)
-    set_motion(e, e.v, t, b.y.at)
+    f = e.work.following
+    fit(f.y, e.states)
+    between(e, t, f.y.at)
+    set_motion(e, e.v, t, f.y.at)
 
 
 def goes_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
     """Whether the solution goes from the last point to a time as good as straight; it is in `w`."""
     b = mode.branch
+    f = e.work.following
     basis = b.basis
     frees = mode.finite_frees
-    fit(b.here, frees)
-    fit(b.first, frees)
-    fit(b.there, frees)
-    fit(b.middle, frees)
-    fit(b.signs_there, groups_of(mode))
-    take_unknowns(e, mode, b.here.at)
+    fit(f.here, frees)
+    fit(f.first, frees)
+    fit(f.there, frees)
+    fit(f.middle, frees)
+    fit(f.signs_there, groups_of(mode))
+    take_unknowns(e, mode, f.here.at)
     write_at(e, t1)
     know(e, mode, e.v)
-    if not step_from(e, mode, e.v, b.here.at):
+    if not step_from(e, mode, e.v, f.here.at):
         return False
     for j in range(frees):
-        b.first.at[j] = b.here.at[j] - e.work.step.at[j]
-        mode.guess.at[j] = b.first.at[j]
+        f.first.at[j] = f.here.at[j] - e.work.step.at[j]
+        mode.guess.at[j] = f.first.at[j]
     mode.guessed = True
-    if not math.isfinite(largest_of(frees, b.first.at)) or not solves_at(e, t1, b.y.at):
+    if not math.isfinite(largest_of(frees, f.first.at)) or not solves_at(e, t1, f.y.at):
         return False
     if b.basis != basis:
         return False
     n = 2 * e.model.bonds
-    fit(b.found, n)
-    copy_part(n, e.work.w, 0, b.found.at, 0)
+    fit(f.found, n)
+    copy_part(n, e.work.w, 0, f.found.at, 0)
     for j in range(frees):
-        b.there.at[j] = e.work.w[mode.free_column[j]]
+        f.there.at[j] = e.work.w[mode.free_column[j]]
     know(e, mode, e.v)
-    if not step_from(e, mode, e.v, b.there.at):
+    if not step_from(e, mode, e.v, f.there.at):
         return False
-    if turns(mode):
+    if turns(e, mode):
         return False
-    copy_part(groups_of(mode), b.now.at, 0, b.signs_there.at, 0)
+    copy_part(groups_of(mode), f.now.at, 0, f.signs_there.at, 0)
     if t1 - t0 <= CORNER * (e.step.t1 - e.step.t0):
         if not is_next_to(e, mode):
             return False
     elif not is_straight(e, mode, t0, t1):
         return False
     for g in range(groups_of(mode)):
-        if b.signs_there.at[g] != 0.0:
-            b.sign.at[g] = b.signs_there.at[g]
+        if f.signs_there.at[g] != 0.0:
+            f.sign.at[g] = f.signs_there.at[g]
     # what was looked at, and no other
-    copy_part(n, b.found.at, 0, e.work.w, 0)
+    copy_part(n, f.found.at, 0, e.work.w, 0)
     keep_guess(mode, e.work.w)
     return True
 
 
 def is_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
     """Whether Newton's first step has led nearly all the way, and laws nearly hold half way."""
-    b = mode.branch
+    f = e.work.following
     frees = mode.finite_frees
-    least = STILL_OF_ALL * largest_of(frees, b.there.at)
+    least = STILL_OF_ALL * largest_of(frees, f.there.at)
     least += ROUNDED * largest_of(2 * e.model.bonds, e.work.base)
     for j in range(frees):
-        off = math.fabs(b.there.at[j] - b.first.at[j])
-        may = STRAIGHT * math.fabs(b.first.at[j] - b.here.at[j])
-        if not off <= may + STILL * math.fabs(b.there.at[j]) + least:
+        off = math.fabs(f.there.at[j] - f.first.at[j])
+        may = STRAIGHT * math.fabs(f.first.at[j] - f.here.at[j])
+        if not off <= may + STILL * math.fabs(f.there.at[j]) + least:
             return False
-        b.middle.at[j] = 0.5 * (b.here.at[j] + b.there.at[j])
+        f.middle.at[j] = 0.5 * (f.here.at[j] + f.there.at[j])
     write_at(e, t0 + 0.5 * (t1 - t0))
     know(e, mode, e.v)
-    straight = step_from(e, mode, e.v, b.middle.at)
-    straight = straight and not turns(mode)
+    straight = step_from(e, mode, e.v, f.middle.at)
+    straight = straight and not turns(e, mode)
     for j in range(frees):
         off = math.fabs(e.work.step.at[j])
-        may = STRAIGHT * math.fabs(b.there.at[j] - b.here.at[j])
-        straight = straight and off <= may + STILL * math.fabs(b.there.at[j]) + least
+        may = STRAIGHT * math.fabs(f.there.at[j] - f.here.at[j])
+        straight = straight and off <= may + STILL * math.fabs(f.there.at[j]) + least
     write_at(e, t1)
     return straight
 
 
 def is_next_to(e: Engine, mode: Mode) -> bool:
     """Whether no unknown has moved by much of the largest."""
-    b = mode.branch
-    most = CONTINUOUS * largest_of(mode.finite_frees, b.there.at)
+    f = e.work.following
+    most = CONTINUOUS * largest_of(mode.finite_frees, f.there.at)
     most += ROUNDED * largest_of(2 * e.model.bonds, e.work.base)
     for j in range(mode.finite_frees):
-        if not math.fabs(b.there.at[j] - b.here.at[j]) <= most:
+        if not math.fabs(f.there.at[j] - f.here.at[j]) <= most:
             return False
     return True
 
@@ -285,9 +286,10 @@ def jumps(e: Engine, mode: Mode, t: float) -> bool:
     """Whether it is what is known that jumps just before a time, as a source does; solved there."""
     m = e.model
     b = mode.branch
+    f = e.work.following
     s = e.step
-    fit(b.known_here, 3 * m.bond_slot)
-    at = b.known_here.at
+    fit(f.known_here, 3 * m.bond_slot)
+    at = f.known_here.at
     for look in range(3):
         when = s.t0 if look == 0 else s.t1 if look == 1 else b.when.at[b.points - 1]
         write_at(e, when)
@@ -296,7 +298,7 @@ def jumps(e: Engine, mode: Mode, t: float) -> bool:
     for k in range(1, m.bond_slot):
         whole = math.fabs(at[m.bond_slot + k] - at[k])
         if math.fabs(e.v[k] - at[2 * m.bond_slot + k]) > JUMPS * whole:
-            return solves_at(e, t, b.y.at)
+            return solves_at(e, t, f.y.at)
     return False
 
 

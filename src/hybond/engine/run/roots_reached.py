@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.locator import NO_KINK
 from hybond.engine.methods.stepping import by_radau
@@ -47,8 +48,7 @@ def rest_at_roots(e: Engine, r: Run) -> None:
         if not goes_to_rest(e, r, m.kink_rest[kink], m.atom_value[m.kink_atom + kink]):
             give_back_guess(e, e.mode)
         else:
-            for i in range(e.states):
-                e.y[i] = r.after[i]
+            copy_floats(e.states, r.after, e.y)
             if by_radau(e):
                 e.radau.known = False  # stages that go on from the last ones leave rest
         g.looked = math.nan
@@ -68,8 +68,7 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
         return False
     if not is_within_error(e, r):
         # what moves beside the root goes on doing so at rest, and has no part in the way there
-        for i in range(e.states):
-            r.beside[e.states + i] = r.rate[i]
+        copy_part(e.states, r.rate, 0, r.beside, e.states)
         if field(e, e.mode, e.t, r.after, r.rate) != OK:
             return False
         for i in range(e.states):
@@ -88,8 +87,7 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
 def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:
     """Put the state at rest straight on by `r.rate` into `r.after`; return the speed, or 0."""
     n = e.states
-    for i in range(n):
-        r.after[i] = e.y[i]
+    copy_floats(n, e.y, r.after)
     beside = 0.0
     left = away
     for turn in range(PASSES):
@@ -134,6 +132,5 @@ def speed_of(e: Engine, r: Run, atom: int, y: Floats, here: float) -> float:
 
 def at_state(e: Engine, r: Run, atom: int, y: Floats) -> float:
     """Return what is compared at a state."""
-    for i in range(e.states):
-        r.locator.y[i] = y[i]
+    copy_floats(e.states, y, r.locator.y)
     return compared(e, r.locator, atom, e.t)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_places
 from hybond.engine.contacts.accumulation import CHATTERING, crowd_within, restart, since_start
 from hybond.engine.contacts.landing import CHATTERS
 from hybond.engine.contacts.landing_records import LAST_TIMES
@@ -39,8 +40,7 @@ def slide_at_limit(e: Engine, i: Instant) -> int:
         s.met = 0
         return NONE_SLIDES
     met = s.met
-    for j in range(met):
-        s.first_met[j] = s.met_surface[j]
+    copy_places(met, s.met_surface, 0, s.first_met, 0)
     for k in range(m.machines):
         s.around[k] = e.state[k]
         s.settled[k] = e.state[k]
@@ -65,8 +65,7 @@ def slide_at_limit(e: Engine, i: Instant) -> int:
         machine = m.surface_machine[s.chosen[j]]
         restart(e.landings, machine, e.t)
         e.landings.other_kept[machine] = 0
-    for k in range(m.machines):
-        s.target[k] = s.around[k]
+    copy_places(m.machines, s.around, 0, s.target, 0)
     begin_instant(i, e.t, ACCUMULATION)
     follow(e, s.around, s.target)
     choose_own(e, s.target)

@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -125,8 +126,7 @@ def make_step(e: Engine, r: Run, t1: float, h: float) -> int:
     put_step(e, s)
     report_step(e, r.report)
     s.begins = False
-    for k in range(m.machines):
-        e.state[k] = s.after_state[k]
+    copy_places(m.machines, s.after_state, 0, e.state, 0)
     write_point(e, e.shown, e.t, e.y, s.w)
     if vary and check_limits(e, e.t, e.shown) != OK:
         return REFUSED
@@ -262,8 +262,7 @@ def settle_in_steps(e: Engine, r: Run, cause: int) -> int:
         return steady_bonds(e, s)
     if mode_of(e, e.state) != OK or evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
         return REFUSED
-    for b in range(2 * m.bonds):
-        s.w[b] = e.shown[m.bond_slot + b]
+    copy_part(2 * m.bonds, e.shown, m.bond_slot, s.w, 0)
     s.begins = True
     if i.steps > 0:
         r.events += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.guards.in_force import is_asked
 from hybond.engine.inputs.interval import interval_after
@@ -24,10 +25,8 @@ def try_at_start(e: Engine, r: Run, state: Ints, hold: Ints) -> int:
     g = r.settling
     begin(e)
     e.samples_end = e.until
-    for k in range(m.storages):
-        g.x[k] = e.y[k]
-    for k in range(m.integrals):
-        g.s[k] = e.y[m.storages + k]
+    copy_floats(m.storages, e.y, g.x)
+    copy_part(m.integrals, e.y, m.storages, g.s, 0)
     if a_priori(e, 0.0, g.x, g.s, e.state) != OK:
         return REFUSED
     keep_open_before(e)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import largest
 from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.branches import choose_own, follow
 from hybond.engine.mode.equations import mode_of
@@ -44,16 +45,14 @@ def how_switches_act(e: Engine) -> int:
         show_state(e, e.t, e.y, s.v)
         if solve_part(e, s.parts, s.v, s.part_rate, s.parts * n, True) != OK:
             return NO_FIELD
-        most = 0.0
-        for k in range(2 * m.bonds):
-            most = max(most, math.fabs(e.work.w[k]))
+        most = largest(2 * m.bonds, e.work.w)
         for k in range(2 * m.bonds):
             off = math.fabs(e.work.w[k] - expected(e, s.solution, 2 * m.bonds, k))
-            if off > ADDITIVE * (float(s.k) * largest(e, s.solution, 2 * m.bonds, k) + most):
+            if off > ADDITIVE * (float(s.k) * column_largest(e, s.solution, 2 * m.bonds, k) + most):
                 return ACT_TOGETHER
         for k in range(m.storages, n):
             off = math.fabs(s.part_rate[s.parts * n + k] - expected(e, s.part_rate, n, k))
-            if off > ADDITIVE * (float(s.k) * largest(e, s.part_rate, n, k) + 1e-300):
+            if off > ADDITIVE * (float(s.k) * column_largest(e, s.part_rate, n, k) + 1e-300):
                 return ACT_TOGETHER
     return ACT_ALONE
 
@@ -67,7 +66,7 @@ def expected(e: Engine, rows: Floats, n: int, k: int) -> float:
     return total
 
 
-def largest(e: Engine, rows: Floats, n: int, k: int) -> float:
+def column_largest(e: Engine, rows: Floats, n: int, k: int) -> float:
     """Return the largest of column k of the parts' rows."""
     most = 0.0
     for part in range(e.slide.parts):

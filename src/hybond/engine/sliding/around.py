@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.branches import know_branches
 from hybond.engine.mode.limits import put_limits
@@ -14,8 +15,7 @@ from hybond.engine.words import Floats
 def take_met(e: Engine, first: int, many: int, product: bool) -> int:
     """Take some of the surfaces met as those to be combined, with the modes around them."""
     s = e.slide
-    for j in range(many):
-        s.side[j] = s.met_surface[first + j]
+    copy_places(many, s.met_surface, first, s.side, 0)
     know_branches(e, s.around, many, product, s.side)
     s.k = many
     s.product = product
@@ -28,8 +28,7 @@ def find_field(e: Engine, rate: Floats) -> bool:
     m = e.model
     for k in range(m.slots):
         e.v[m.slots + k] = 0.0
-    for k in range(m.switches + m.state_first[m.machines]):
-        e.v[m.on_slot + k] = e.mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], e.mode.flags, 0, e.v, m.on_slot)
     put_limits(e, e.mode, e.v)
     # functions of surfaces may read any bond variable
     return field(e, e.mode, e.t, e.y, rate) == OK and solve(e, e.mode, e.v) == OK

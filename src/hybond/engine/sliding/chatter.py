@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_places
 from hybond.engine.engine import Engine, say_fault
 from hybond.engine.laws.branches import follow
 from hybond.engine.reasons.facts import add_fact
@@ -44,8 +45,7 @@ def decide_led(e: Engine) -> int:
             return stop_at(e, s.restless)
         if decided != A_WAY:
             if decided != STOPS:
-                for k in range(m.machines):
-                    s.around[k] = s.settled[k]
+                copy_places(m.machines, s.settled, 0, s.around, 0)
             return decided
         other = other_after_turns(e)
         if s.restless != RETURNS:
@@ -59,11 +59,9 @@ def decide_led(e: Engine) -> int:
         if same:
             return stop_at(e, other)
         if turn & (turn - 1) == 0:
-            for k in range(m.machines):
-                s.turned[k] = s.around[k]
+            copy_places(m.machines, s.around, 0, s.turned, 0)
         s.met = met
-        for j in range(met):
-            s.met_surface[j] = s.first_met[j]
+        copy_places(met, s.first_met, 0, s.met_surface, 0)
     return stop_at(e, other)
 
 
@@ -124,8 +122,7 @@ def other_after_turns(e: Engine) -> int:
     m = e.model
     s = e.slide
     k = 0
-    for machine in range(m.machines):
-        s.base[machine] = s.around[machine]
+    copy_places(m.machines, s.around, 0, s.base, 0)
     for j in range(s.k):
         if s.best[j] == SLIDES:
             s.chosen[k] = s.side[j]
@@ -144,8 +141,7 @@ def other_after_turns(e: Engine) -> int:
                 take_as_combined(e, k, s.corner, s.origin)
             else:
                 # no mode of the combination: it has come from one, and goes back there
-                for machine in range(m.machines):
-                    s.state[machine] = s.corner[machine]
+                copy_places(m.machines, s.corner, 0, s.state, 0)
                 turn_over(e, s.chosen[j], s.state, s.corner)
             machine = first_other(e, s.origin, s.corner)
             if machine != RETURNS:
@@ -158,8 +154,7 @@ def turn_over(e: Engine, surface: int, origin: Ints, out: Ints) -> None:
     """Put the mode there that is entered from another where a machine crosses its surface."""
     m = e.model
     above = origin[m.surface_machine[surface]] == m.surface_above[surface]
-    for machine in range(m.machines):
-        out[machine] = origin[machine]
+    copy_places(m.machines, origin, 0, out, 0)
     put_side(m, surface, not above, out)
     follow(e, origin, out)
 
@@ -178,8 +173,7 @@ def take_as_combined(e: Engine, k: int, state: Ints, out: Ints) -> None:
     """Put the mode there that is combined with these machines on the sides of `state`."""
     m = e.model
     s = e.slide
-    for machine in range(m.machines):
-        out[machine] = s.base[machine]
+    copy_places(m.machines, s.base, 0, out, 0)
     for j in range(k):
         above = state[m.surface_machine[s.chosen[j]]] == m.surface_above[s.chosen[j]]
         put_side(m, s.chosen[j], above, out)
@@ -240,11 +234,9 @@ def lead_round(e: Engine) -> None:
     m = e.model
     s = e.slide
     for _ in range(MOST):
-        for machine in range(m.machines):
-            s.origin[machine] = s.corner[machine]
+        copy_places(m.machines, s.corner, 0, s.origin, 0)
         for j in range(2 * s.k):
-            for machine in range(m.machines):
-                s.state[machine] = s.corner[machine]
+            copy_places(m.machines, s.corner, 0, s.state, 0)
             turn_over(e, s.chosen[j // 2], s.state, s.corner)
         if first_other(e, s.origin, s.corner) == RETURNS:
             lead_back(e, s.k)
@@ -259,6 +251,5 @@ def lead_back(e: Engine, k: int) -> None:
     for j in range(k):
         machine = m.surface_machine[s.chosen[j]]
         if s.corner[machine] != s.base[machine]:
-            for other in range(m.machines):
-                s.state[other] = s.corner[other]
+            copy_places(m.machines, s.corner, 0, s.state, 0)
             turn_over(e, s.chosen[j], s.state, s.corner)

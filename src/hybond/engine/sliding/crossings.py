@@ -12,13 +12,14 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
 from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.rows.storage import energy_of
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.reasons.warned import WITHOUT_END, add_about, begin_warning
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.surfaces.common_space import (
@@ -98,8 +99,7 @@ def do_meet(e: Engine) -> bool:
                 return False
             for k in range(m.storages):
                 at = rate_bond(m, k)
-                negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-                s.rates[k] = -e.work.w[at] if negative else e.work.w[at]
+                s.rates[k] = way_of_rate(m, k) * e.work.w[at]
             if not can_keep(e, s.v, s.rates):
                 return False
     return how != NEVER
@@ -118,8 +118,7 @@ def collapse(e: Engine, surface: int) -> bool:
     s = e.slide
     if not no_time(e, surface):
         return False
-    for k in range(e.states):
-        s.before[k] = e.y[k]
+    copy_floats(e.states, e.y, s.before)
     if find_common(e) != TOGETHER or not is_still(e, surface):
         warn_without_end(e, surface)
         return False
@@ -159,8 +158,7 @@ def warn_without_end(e: Engine, surface: int) -> None:
 
 def take_back(e: Engine) -> None:
     """Put the state before the jumps there again."""
-    for k in range(e.states):
-        e.y[k] = e.slide.before[k]
+    copy_floats(e.states, e.slide.before, e.y)
 
 
 def is_met(e: Engine) -> bool:
@@ -213,8 +211,7 @@ def no_time(e: Engine, surface: int) -> bool:
     s.met_surface[0] = surface
     if take_met(e, 0, 1, False) != OK or s.of_state[0] == 0:
         return False
-    for k in range(e.states):
-        s.y[k] = e.y[k]
+    copy_floats(e.states, e.y, s.y)
     pushes = True
     for part in range(2):
         if is_fieldless(e, part_mode(e, part)) or not enter_part(e, part, s.y):
@@ -228,11 +225,9 @@ def no_time(e: Engine, surface: int) -> bool:
         s.k = 1
         speed = 0.0
         if found:
-            for k in range(2 * m.slots):
-                s.v[k] = e.v[k]
+            copy_floats(2 * m.slots, e.v, s.v)
             speed = surface_rate(e, surface, s.v, s.rates, 0, True)
-        for k in range(m.storages):
-            e.y[k] = s.keep[k]
+        copy_floats(m.storages, s.keep, e.y)
         if not found:
             return False
         pushes = pushes and (speed > 0.0 if part == 0 else speed < 0.0)

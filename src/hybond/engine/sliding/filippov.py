@@ -43,13 +43,7 @@ def find_ways(e: Engine) -> int:
     for _ in range(s.k):
         total *= 3
     for number in range(total):
-        rest = number
-        slides = 0
-        for j in range(s.k):
-            p = s.k - 1 - j
-            s.trial_side[p] = rest % 3
-            rest = rest // 3
-            slides += 1 if s.trial_side[p] == SLIDES else 0
+        slides = put_sides(e, number)
         if not is_way(e):
             continue
         ways += 1
@@ -64,6 +58,18 @@ def find_ways(e: Engine) -> int:
             s.best[j] = s.trial_side[j]
             s.best_weight[j] = s.weight[j]
     return ways
+
+
+def put_sides(e: Engine, number: int) -> int:
+    """Put the sides of a choice, by its number, into ``trial_side``; return how many slide."""
+    s = e.slide
+    slides = 0
+    for j in range(s.k):
+        p = s.k - 1 - j
+        s.trial_side[p] = number % 3
+        number = number // 3
+        slides += 1 if s.trial_side[p] == SLIDES else 0
+    return slides
 
 
 def is_way(e: Engine) -> bool:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
+from hybond.engine.algebra.products import copy_floats, copy_places, largest
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.instant.instant import (
     CONTINUOUS,
@@ -52,15 +52,12 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
     """
     m = e.model
     s = e.slide
-    for k in range(m.machines):
-        s.mark[k] = s.target[k]
+    copy_places(m.machines, s.target, 0, s.mark, 0)
     waiting = note_transitions(e, i, slid)
     s.many = slid
     s.slid_product = slid > 0 and s.best_product
-    for j in range(slid):
-        s.surface[j] = s.chosen[j]
-    for k in range(m.machines):
-        e.state[k] = s.mark[k]
+    copy_places(slid, s.chosen, 0, s.surface, 0)
+    copy_places(m.machines, s.mark, 0, e.state, 0)
     choose_anew(e)
     know_around(e, e.state)
     found = s.met if slid > 0 else 0
@@ -86,13 +83,11 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
 def put_on(e: Engine) -> int:
     """Put the state on the surfaces that it is to slide on; it is there but for rounding."""
     s = e.slide
-    for k in range(e.states):
-        s.put_from[k] = e.y[k]
+    copy_floats(e.states, e.y, s.put_from)
     if onto_surfaces(e, e.t, e.y) != OK:
         return REFUSED
     if is_far(e, s.put_from, e.y):
-        for k in range(e.states):
-            e.y[k] = s.put_from[k]
+        copy_floats(e.states, s.put_from, e.y)
         say_fault(e, "HB-N405", "the state is not on the surfaces", "")
         for j in range(s.k if e.model.tells != 0 else 0):
             add_fact(e.fault, float(s.side[j]))
@@ -126,9 +121,7 @@ def write_transitions(e: Engine, i: Instant, collapsed: bool) -> None:
 def note_collapse(e: Engine, i: Instant) -> None:
     """Note the step in which jumps back and forth end, with all their impulses."""
     s = e.slide
-    most = 0.0
-    for b in range(2 * e.model.bonds):
-        most = max(most, math.fabs(s.impulses[b]))
+    most = largest(2 * e.model.bonds, s.impulses)
     for b in range(2 * e.model.bonds):
         if s.impulses[b] != 0.0:
             note_hit(i, b, s.impulses[b], NO_IMPULSE * most)
@@ -181,8 +174,7 @@ def keep_phases(e: Engine) -> None:
     s.phases = s.parts if s.k > 0 and m.followers > 0 else 0
     grow_places(s.phase, s.phases * m.machines)
     for part in range(s.phases):
-        for k in range(m.machines):
-            s.phase.at[part * m.machines + k] = part_mode(e, part).state[k]
+        copy_places(m.machines, part_mode(e, part).state, 0, s.phase.at, part * m.machines)
 
 
 def goes_along(e: Engine, slid: int, machine: int) -> bool:

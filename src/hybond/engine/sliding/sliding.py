@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_places
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
@@ -57,8 +58,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         return show_again(e)
     part_from(e)
     met = s.met
-    for j in range(met):
-        s.first_met[j] = s.met_surface[j]
+    copy_places(met, s.met_surface, 0, s.first_met, 0)
     decided = NO_WAY
     if met > 0:
         decided = decide_led(e)
@@ -69,8 +69,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     if decided == NO_WAY:
         # nothing is said of those met: what they were, they are
         s.met = met
-        for j in range(met):
-            s.met_surface[j] = s.first_met[j]
+        copy_places(met, s.first_met, 0, s.met_surface, 0)
     led = False
     for k in range(m.machines):
         s.target[k] = s.around[k]
@@ -95,16 +94,14 @@ def part_from(e: Engine) -> None:
     """Put the machines of surfaces that have jumped away on their sides: the fields are those."""
     s = e.slide
     some = False
-    for k in range(e.model.machines):
-        s.target[k] = s.settled[k]
+    copy_places(e.model.machines, s.settled, 0, s.target, 0)
     for j in range(s.many):
         if s.parted[s.surface[j]] != 0 and is_done_with(e, s.surface[j]):
             drop(e, s.surface[j])
             some = True
     if some:
         follow(e, s.settled, s.target)
-        for k in range(e.model.machines):
-            s.around[k] = s.target[k]
+        copy_places(e.model.machines, s.target, 0, s.around, 0)
 
 
 def is_done_with(e: Engine, surface: int) -> bool:

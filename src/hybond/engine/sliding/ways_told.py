@@ -9,6 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_block
+from hybond.engine.algebra.products import largest
 from hybond.engine.engine import OK, Engine
 from hybond.engine.reasons.warned import (
     NO_WAY_ON,
@@ -18,7 +19,7 @@ from hybond.engine.reasons.warned import (
     add_about,
     begin_warning,
 )
-from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, speed_of
+from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, put_sides, speed_of
 from hybond.engine.surfaces.blend import blend
 from hybond.engine.surfaces.outputs import show_state
 
@@ -94,18 +95,6 @@ def warn_of_ways(e: Engine) -> None:
         add_about(e.warned, float(s.best[j]))
 
 
-def put_sides(e: Engine, number: int) -> int:
-    """Put the sides of a choice, by its number, into ``trial_side``; return how many slide."""
-    s = e.slide
-    slides = 0
-    for j in range(s.k):
-        p = s.k - 1 - j
-        s.trial_side[p] = number % 3
-        number = number // 3
-        slides += 1 if s.trial_side[p] == SLIDES else 0
-    return slides
-
-
 def is_known_way(e: Engine, many: int) -> bool:
     """Whether the weights are those of a way that was found before, but for rounding."""
     s = e.slide
@@ -121,9 +110,7 @@ def is_known_way(e: Engine, many: int) -> bool:
 def is_clear(e: Engine) -> bool:
     """Whether a way leaves its surfaces at a speed that is more than rounding."""
     s = e.slide
-    most = 0.0
-    for i in range(s.parts * s.k):
-        most = max(most, math.fabs(s.part_speed[i]))
+    most = largest(s.parts * s.k, s.part_speed)
     for j in range(s.k):
         if s.trial_side[j] != SLIDES and not math.fabs(speed_of(e, j)) > CLEAR_OF_IT * most:
             return False

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from hybond.engine.algebra.blocks import fit, grow_block
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.mode.digits.part_energies import find_energies, reach_of_bond
@@ -28,8 +29,7 @@ def solve_here(e: Engine, mode: Mode, v: Floats) -> int:
         return solve(e, mode, v)
     if blend(e, v) != OK:
         return NOT_FINITE
-    for k in range(2 * e.model.bonds):
-        e.work.w[k] = e.slide.w[k]
+    copy_floats(2 * e.model.bonds, e.slide.w, e.work.w)
     write_bonds(e, v, e.slide.w)
     return OK
 
@@ -50,8 +50,7 @@ def sizes_here(e: Engine, mode: Mode, v: Floats) -> None:
     for k in range(n):
         s.w_size[k] = math.fabs(s.w[k])
     for part in range(s.parts):
-        for k in range(2 * m.slots):
-            s.v[k] = v[k]
+        copy_floats(2 * m.slots, v, s.v)
         own = part_mode(e, part)
         if solve_plain(e, part, s.v) == OK:
             sizes_of(e, own, s.v)
@@ -91,8 +90,7 @@ def part_sizes(e: Engine, part: int, v: Floats, x: Floats, terms: Floats) -> Non
     """Do the same for one of the modes that are combined, not kept to what others hold."""
     s = e.slide
     own = part_mode(e, part)
-    for k in range(2 * e.model.slots):
-        s.v[k] = v[k]
+    copy_floats(2 * e.model.slots, v, s.v)
     if solve_plain(e, part, s.v) != OK:
         return
     if e.model.laws > 0:
@@ -106,8 +104,7 @@ def show_part(e: Engine, part: int, v: Floats) -> None:
     m = e.model
     s = e.slide
     mode = e.mode if part < 0 else part_mode(e, part)
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
     for b in range(2 * m.bonds):
         at = part * 2 * m.bonds + b
         v[m.bond_slot + b] = (
@@ -130,8 +127,7 @@ def freedom_here(e: Engine, mode: Mode, v: Floats) -> int:
     n = 2 * e.model.bonds
     many = 0
     for part in range(s.parts):
-        for k in range(2 * e.model.slots):
-            s.v[k] = v[k]
+        copy_floats(2 * e.model.slots, v, s.v)
         if solve_plain(e, part, s.v) != OK:
             continue
         own = freedom_at(e, part_mode(e, part), s.v)
@@ -152,12 +148,9 @@ def blended_field(e: Engine, t: float, y: Floats, rate: Floats) -> int:
     """Put ``y'`` of the combination into `rate`."""
     m = e.model
     set_time(e, e.v, t)
-    for k in range(m.storages):
-        e.v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        e.v[m.signal_slot + k] = y[m.storages + k]
+    copy_part(m.storages, y, 0, e.v, m.stored_slot)
+    copy_part(m.integrals, y, m.storages, e.v, m.signal_slot)
     if blend(e, e.v) != OK:
         return NOT_FINITE
-    for k in range(e.states):
-        rate[k] = e.slide.rate[k]
+    copy_floats(e.states, e.slide.rate, rate)
     return OK

@@ -12,10 +12,11 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.nonlinear.newton_system import write_bonds
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.mode.solving import solve
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.common_space import keep_to_all
@@ -43,23 +44,18 @@ def solve_part(e: Engine, part: int, v: Floats, rates: Floats, at: int, kept: bo
     m = e.model
     s = e.slide
     mode = part_mode(e, part)
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
     if solve(e, mode, v) != OK:
         return NOT_FINITE
     for k in range(m.storages):
         bond = rate_bond(m, k)
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-        s.rates[k] = -e.work.w[bond] if negative else e.work.w[bond]
+        s.rates[k] = way_of_rate(m, k) * e.work.w[bond]
     if s.common and kept:
-        for k in range(2 * m.bonds):
-            s.w[k] = e.work.w[k]
+        copy_floats(2 * m.bonds, e.work.w, s.w)
         keep_to_all(e, v, s.w, s.rates)
-        for k in range(2 * m.bonds):
-            e.work.w[k] = s.w[k]
+        copy_floats(2 * m.bonds, s.w, e.work.w)
         write_bonds(e, v, s.w)
-    for k in range(m.storages):
-        rates[at + k] = s.rates[k]
+    copy_part(m.storages, s.rates, 0, rates, at)
     for k in range(m.integrals):
         rates[at + m.storages + k] = value(m, m.integral_rate[k], v)
     return OK
@@ -73,8 +69,7 @@ def find_speeds(e: Engine, kept: bool) -> int:
     for part in range(s.parts):
         if solve_part(e, part, s.v, s.part_rate, part * n, kept) != OK:
             return NOT_FINITE
-        for k in range(2 * m.bonds):
-            s.solution[part * 2 * m.bonds + k] = e.work.w[k]
+        copy_part(2 * m.bonds, e.work.w, 0, s.solution, part * 2 * m.bonds)
     for j in range(s.k):
         surface = s.side[j]
         if s.of_state[j] != 0:
@@ -95,8 +90,7 @@ def blend(e: Engine, v: Floats) -> int:
     n = e.states
     if s.known and is_here(e, v):
         return OK
-    for k in range(2 * m.slots):
-        s.v[k] = v[k]
+    copy_floats(2 * m.slots, v, s.v)
     s.known = False
     if s.common and find_pushes(e) != OK:
         return NOT_FINITE
@@ -109,10 +103,8 @@ def blend(e: Engine, v: Floats) -> int:
     average(e, n, s.part_rate, s.rate)
     find_margins(e)
     s.at[0] = v[0]
-    for k in range(m.storages):
-        s.at[1 + k] = v[m.stored_slot + k]
-    for k in range(m.integrals):
-        s.at[1 + m.storages + k] = v[m.signal_slot + k]
+    copy_part(m.storages, v, m.stored_slot, s.at, 1)
+    copy_part(m.integrals, v, m.signal_slot, s.at, 1 + m.storages)
     s.known = True
     return OK
 
@@ -174,8 +166,7 @@ def find_product(e: Engine) -> int:
             find_change(e)
             for j in range(s.k):
                 s.right[j] = speed_at(s, s.part_speed, s.coefficient, j)
-            for i in range(s.k * s.k):
-                s.matrix[i] = s.change[i]
+            copy_floats(s.k * s.k, s.change, s.matrix)
             if solve_weights(e, s.right) != OK:
                 return NOT_FINITE
             step = 0.0
@@ -189,8 +180,7 @@ def find_product(e: Engine) -> int:
             taken = taken and math.fabs(s.weight[j] - 0.5) <= ASTRAY
         if taken:
             find_change(e)
-            for j in range(s.k):
-                s.last[j] = s.weight[j]
+            copy_floats(s.k, s.weight, s.last)
             s.has_last = True
             return OK
     return no_combination(e)
@@ -249,8 +239,7 @@ def find_pushes(e: Engine) -> int:
     s = e.slide
     if find_speeds(e, False) != OK:
         return NOT_FINITE
-    for i in range(s.parts * s.k):
-        s.plain_speed[i] = s.part_speed[i]
+    copy_floats(s.parts * s.k, s.part_speed, s.plain_speed)
     for i in range(s.parts * 2 * m.bonds if m.laws > 0 else 0):
         s.plain_solution[i] = s.solution[i]
     return OK

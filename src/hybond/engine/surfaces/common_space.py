@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, row_size, row_times
-from hybond.engine.algebra.products import times_matrix
+from hybond.engine.algebra.products import copy_part, times_matrix
 from hybond.engine.algebra.svd import pseudo_inverse, rank_above, svd
 from hybond.engine.answers import value
 from hybond.engine.constraints.impulse_ways import impulse_directions
@@ -18,7 +18,7 @@ from hybond.engine.engine import Engine, svd_room
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton import knowns_of
 from hybond.engine.mode.rows.storage import stiff
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, some
 
@@ -102,8 +102,7 @@ def find_common(e: Engine) -> int:
     for h in range(s.holders):
         own = some(e.modes[s.holder[h]]).ways
         for i in range(n):
-            for j in range(own.many):
-                e.work.onto.at[i * many + first + j] = own.directions.at[i * own.many + j]
+            copy_part(own.many, own.directions.at, i * own.many, e.work.onto.at, i * many + first)
         first += own.many
     fit(s.moves, m.storages * many)
     put_moves(e, many, e.work.onto.at, s.moves.at)
@@ -143,7 +142,7 @@ def put_moves(e: Engine, many: int, directions: Floats, moves: Floats) -> None:
     m = e.model
     for k in range(m.storages):
         at = rate_bond(m, k)
-        sign = float(m.storage_sign[k]) if m.storage_kind[k] == 0 else 1.0
+        sign = way_of_rate(m, k)
         for j in range(many):
             moves[k * many + j] = sign * directions[at * many + j]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
@@ -57,17 +58,14 @@ def solve_led(e: Engine, state: Ints) -> None:
     """Write the bond variables of a mode, if it has a solution."""
     m = e.model
     s = e.slide
-    for k in range(m.machines):
-        s.led_mode[k] = state[k]
+    copy_places(m.machines, state, 0, s.led_mode, 0)
     if m.laws > 0 and not s.wants and find_branches(m, s, s.led_mode) == UNKNOWN:
         s.wants = True
-        for k in range(m.machines):
-            s.wanted[k] = s.led_mode[k]
+        copy_places(m.machines, s.led_mode, 0, s.wanted, 0)
     take_branches(m, s, s.led_mode)
     if mode_of(e, s.led_mode) != OK:
         return
-    for k in range(m.switches + m.state_first[m.machines]):
-        s.led[m.on_slot + k] = e.mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], e.mode.flags, 0, s.led, m.on_slot)
     put_limits(e, e.mode, s.led)
     s.led_known = solve(e, e.mode, s.led) == OK
     if s.led_known:

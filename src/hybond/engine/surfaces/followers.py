@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import Engine
 from hybond.engine.inputs.interval import set_time
 from hybond.engine.model import Model
@@ -45,10 +46,8 @@ def let_follow(e: Engine, before: Ints, state: Ints) -> None:
         take_given(m, s, state)
         return
     set_time(e, s.led, e.t)
-    for k in range(m.storages):
-        s.led[m.stored_slot + k] = e.y[k]
-    for k in range(m.integrals):
-        s.led[m.signal_slot + k] = e.y[m.storages + k]
+    copy_part(m.storages, e.y, 0, s.led, m.stored_slot)
+    copy_part(m.integrals, e.y, m.storages, s.led, m.signal_slot)
     put_states(m, s, before, m.slots)
     put_states(m, s, state, 0)
     left = 2 * m.state_first[m.machines] + ROUNDS

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.surfaces.blend import blend, solve_weights
 from hybond.engine.surfaces.common_space import onto_all
@@ -36,8 +37,7 @@ def onto_surfaces(e: Engine, t: float, y: Floats) -> int:
             return NOT_FINITE
         if is_left(e):
             return OK
-        for i in range(s.k * s.k):
-            s.matrix[i] = s.change[i]
+        copy_floats(s.k * s.k, s.change, s.matrix)
         if solve_weights(e, s.right) != OK:
             return NOT_FINITE
         put_slopes(s)
@@ -69,8 +69,7 @@ def side_value(e: Engine, j: int, v: Floats) -> float:
     s = e.slide
     if s.of_state[j] != 0:
         return surface_value(e, s.side[j], v)
-    for k in range(2 * e.model.slots):
-        s.ahead[k] = v[k]
+    copy_floats(2 * e.model.slots, v, s.ahead)
     return output_value(e, s.side[j], 0, s.ahead)
 
 

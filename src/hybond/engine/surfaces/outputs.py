@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
@@ -37,18 +38,15 @@ def show_state(e: Engine, t: float, y: Floats, v: Floats) -> None:
     set_time(e, v, t)
     for k in range(m.slots):
         v[m.slots + k] = 0.0
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = y[m.storages + k]
+    copy_part(m.storages, y, 0, v, m.stored_slot)
+    copy_part(m.integrals, y, m.storages, v, m.signal_slot)
 
 
 def solve_plain(e: Engine, part: int, v: Floats) -> int:
     """Write the Booleans and bond variables of a part, not kept to what others hold."""
     m = e.model
     mode = part_mode(e, part)
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
     put_limits(e, mode, v)
     return solve(e, mode, v)
 
@@ -90,8 +88,7 @@ def led_value(e: Engine, surface: int, v: Floats, rate: Floats, at: int, ahead: 
     """Return a switching function a time ahead at such rates of the state, values in ``ahead``."""
     m = e.model
     s = e.slide
-    for k in range(2 * m.slots):
-        s.ahead[k] = v[k]
+    copy_floats(2 * m.slots, v, s.ahead)
     set_time(e, s.ahead, v[0] + ahead)
     for k in range(e.states):
         slot = m.stored_slot + k if k < m.storages else m.signal_slot + k - m.storages
@@ -155,8 +152,7 @@ def find_agreeing(e: Engine) -> int:
         s.own_jump[j] = 0
         first = 0.0
         for part in range(s.parts):
-            for k in range(2 * m.slots):
-                s.ahead[k] = e.shown[k]
+            copy_floats(2 * m.slots, e.shown, s.ahead)
             g = output_value(e, surface, part, s.ahead)
             if part == 0:
                 first = g

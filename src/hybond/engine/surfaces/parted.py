@@ -12,6 +12,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import EULER, RK4
 from hybond.engine.mode.digits.reach import reach_of
@@ -40,8 +41,7 @@ def find_parted(e: Engine, t: float, y: Floats, part: float) -> bool:
     s = e.slide
     m = e.model
     some = False
-    for k in range(m.switches + m.state_first[m.machines]):
-        e.shown[m.on_slot + k] = e.mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], e.mode.flags, 0, e.shown, m.on_slot)
     show_state(e, t, y, e.shown)
     for j in range(s.k):
         s.gap[j] = side_value(e, j, e.shown)
@@ -67,8 +67,7 @@ def find_parted(e: Engine, t: float, y: Floats, part: float) -> bool:
 def is_parted(e: Engine, y: Floats, j: int, part: float) -> bool:
     """Whether it takes such a jump to put the state on a surface, and on no other than before."""
     s = e.slide
-    for i in range(s.k * s.k):
-        s.matrix[i] = s.change[i]
+    copy_floats(s.k * s.k, s.change, s.matrix)
     for p in range(s.k):
         s.right[p] = s.gap[j] if p == j else 0.0
     if lu_factor(s.k, s.matrix, s.pivot) == SINGULAR:

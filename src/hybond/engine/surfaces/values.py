@@ -13,7 +13,7 @@ from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.agreement import check_agreement
 from hybond.engine.mode.reading import rates_by_knowns
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.surfaces.averages import blended_field, solve_here
 from hybond.engine.words import Floats
@@ -23,19 +23,15 @@ def set_values(e: Engine, mode: Mode, v: Floats, t: float, x: Floats, s: Floats)
     """Write all but bond variables; the a priori copy is left alone."""
     m = e.model
     set_time(e, v, t)
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
-    for k in range(m.storages):
-        v[m.stored_slot + k] = x[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = s[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
+    copy_part(m.storages, x, 0, v, m.stored_slot)
+    copy_part(m.integrals, s, 0, v, m.signal_slot)
 
 
 def set_state(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> None:
     """Write all but bond variables, the state being stored quantities, then signals."""
     m = e.model
-    for k in range(m.switches + m.state_first[m.machines]):
-        v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, v, m.on_slot)
     set_motion(e, v, t, y)
 
 
@@ -43,10 +39,8 @@ def set_motion(e: Engine, v: Floats, t: float, y: Floats) -> None:
     """Write what changes while time passes in a mode, but bond variables."""
     m = e.model
     set_time(e, v, t)
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = y[m.storages + k]
+    copy_part(m.storages, y, 0, v, m.stored_slot)
+    copy_part(m.integrals, y, m.storages, v, m.signal_slot)
 
 
 def evaluate(e: Engine, mode: Mode, v: Floats, t: float, y: Floats) -> int:
@@ -94,12 +88,12 @@ def field(e: Engine, mode: Mode, t: float, y: Floats, rate: Floats) -> int:
         w = e.work.w
         for k in range(m.storages):
             at = rate_bond(m, k)
-            negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+            way = way_of_rate(m, k)
             total = w[at]
             if mode.closely:
                 total = rate_twofold(e, mode, at, w)
-                e.rate_rest[k] = -e.work.over if negative else e.work.over
-            rate[k] = -total if negative else total
+                e.rate_rest[k] = way * e.work.over
+            rate[k] = way * total
         for i in range(mode.signals.many if mode.closely else 0):
             b = mode.signals.bond[i]
             v[m.bond_slot + b] = rate_closely(e, mode, b, w)
@@ -116,6 +110,5 @@ def begin_field(e: Engine, mode: Mode) -> None:
     e.standing.some = False
     for k in range(2 * m.slots):
         e.v[k] = 0.0
-    for k in range(m.switches + m.state_first[m.machines]):
-        e.v[m.on_slot + k] = mode.flags[k]
+    copy_part(m.switches + m.state_first[m.machines], mode.flags, 0, e.v, m.on_slot)
     put_limits(e, mode, e.v)

@@ -81,7 +81,6 @@ def terms_of(e: Expr, known: Callable[[str], Found]) -> Found:
 
     Parameters
     ----------
-    e : Expr
     known : callable
         The terms of a name, or why it has none.
 

@@ -48,7 +48,6 @@ def slotted_tables(
 
     Parameters
     ----------
-    model : Model
     prepared : callable
         What is done to the flat graph first.
     options : mapping

@@ -16,7 +16,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
-from hybond.engine.algebra.products import times_matrix
+from hybond.engine.algebra.products import copy_floats, copy_part, largest, times_matrix
 from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
@@ -123,8 +123,7 @@ def find_straight(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         # constant rows: what storage gives by itself, put through them one quantity at a time
         if solve_with(e, p, v, s.nothing) != OK:
             return REFUSED
-        for b in range(bonds):
-            s.base[b] = e.work.w[b]
+        copy_floats(bonds, e.work.w, s.base)
         for j in range(c.n):
             v[m.stored_slot + j] = 1.0
             if solve_with(e, p, v, s.nothing) != OK:
@@ -146,10 +145,8 @@ def find_straight(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
 def rates_at(e: Engine, s: Stepping, p: Ports, y: Floats, l: Floats, rate: Floats) -> int:
     """Put the rates of the whole state at the end of a step there; values stand in `s.v1`."""
     m = e.model
-    for k in range(m.storages):
-        s.v1[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        s.v1[m.signal_slot + k] = y[m.storages + k]
+    copy_part(m.storages, y, 0, s.v1, m.stored_slot)
+    copy_part(m.integrals, y, m.storages, s.v1, m.signal_slot)
     if solve_with(e, p, s.v1, l) != OK:
         return REFUSED
     rates_of_stored(m, e.work.w, 1, 0, rate)
@@ -166,8 +163,7 @@ def implicit(e: Engine, s: Stepping, p: Ports, y: Floats, l: Floats) -> int:
     if rates_at(e, s, p, y, s.nothing, s.rate) != OK:
         return REFUSED
     acts = False
-    for b in range(2 * e.model.bonds):
-        s.without[b] = e.work.w[b]
+    copy_floats(2 * e.model.bonds, e.work.w, s.without)
     for k in range(e.model.ports):
         acts = acts or l[k] != 0.0
     if not acts:
@@ -197,10 +193,8 @@ def find_slopes(
     fit(s.square, n * n + n * m.ports)
     if implicit(e, s, p, y, l) != OK:
         return REFUSED
-    for b in range(bonds):
-        s.base[b] = e.work.w[b]
-    for k in range(n):
-        s.change[k] = s.rate[k]
+    copy_floats(bonds, e.work.w, s.base)
+    copy_floats(n, s.rate, s.change)
     for j in range(n + m.ports):
         of_state = j < n
         at = j if of_state else j - n
@@ -322,9 +316,7 @@ def couple_laws(m: Model, p: Ports, c: Coupled) -> None:
                 size += math.fabs(m.pair_value[i]) * terms
             rounded = math.fabs(total) <= CANCELS * size
             c.m.at[k * n + j] = 0.0 if rounded else way * total
-    most = 0.0
-    for i in range(n * n):
-        most = max(most, math.fabs(c.m.at[i]))
+    most = largest(n * n, c.m.at)
     for k in range(n):
         idle = True
         for j in range(n):

@@ -7,7 +7,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
-from hybond.engine.algebra.products import column_norm
+from hybond.engine.algebra.products import column_norm, copy_floats, copy_part
 from hybond.engine.algebra.scaling import balance
 from hybond.engine.algebra.svd import Svd, null_space
 from hybond.engine.answers import value
@@ -126,8 +126,7 @@ def push_integrals(e: Engine, s: Stepping, p: Ports) -> int:
     if m.integrals == 0:
         return OK
     kept = e.laws.kept
-    for i in range(2 * m.slots):
-        kept[i] = s.v1[i]
+    copy_floats(2 * m.slots, s.v1, kept)
     for k in range(n):
         s.wl[k] = 0.0
     if solve_with(e, p, s.v1, s.wl) != OK:
@@ -145,8 +144,7 @@ def push_integrals(e: Engine, s: Stepping, p: Ports) -> int:
             still = math.fabs(pushed) <= MOVES_PART * (math.fabs(rate) + math.fabs(s.rate_l[k]))
             at = (m.storages + k) * n + j
             s.shares.rows.at[at] = 0.0 if still else pushed / s.unit[j]
-    for i in range(2 * m.slots):
-        s.v1[i] = kept[i]
+    copy_floats(2 * m.slots, kept, s.v1)
     return OK
 
 
@@ -165,8 +163,7 @@ def share(e: Engine, s: Stepping, p: Ports, c: Coupled) -> None:
     a = s.shares
     many = c.still
     fit(a.basis, 2 * n * many)
-    for i in range(n * many):
-        a.basis.at[i] = c.basis.at[i]
+    copy_floats(n * many, c.basis.at, a.basis.at)
     rows = put_seen(e, s, c)
     room = room_for(e)
     many = leave_still(room, rows, n, many, a.rows.at, a.basis, a)
@@ -230,8 +227,7 @@ def put_seen(e: Engine, s: Stepping, c: Coupled) -> int:
         if sloped:
             rows += 1
     if c.moves:
-        for j in range(n):
-            a.rows.at[rows * n + j] = q.moved[j]
+        copy_part(n, q.moved, 0, a.rows.at, rows * n)
         rows += 1
     return rows
 

@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import node_name
 from hybond.engine.complementarity.law_roles import CUT, ONE_SIDED, SHUT, TWO_SIDED, LawProblem
@@ -64,8 +65,7 @@ def read_step_laws(e: Engine, s: Stepping, p: Ports) -> int:
     find_start(m, r)
     if has_gaps(m):
         # what touches but for rounding of its gap takes part in impacts of others
-        for i in range(2 * m.slots):
-            r.v[i] = v[i]
+        copy_floats(2 * m.slots, v, r.v)
         if find_able(e, r) != OK:
             return REFUSED
     for k in range(m.ports):
@@ -179,8 +179,7 @@ def solve_step_laws(
     a.gain = c.gain.at
     a.d = c.m.at
     a.ce = c.m.at
-    for b in range(2 * m.bonds):
-        a.bonds[b] = bonds[b]
+    copy_floats(2 * m.bonds, bonds, a.bonds)
     times_partner(m, p, bonds, r.q)
     bounces = False
     rubs = False
@@ -204,8 +203,7 @@ def solve_step_laws(
         e.planar.slid[d] = 0 if e.state[m.disk_machine[d]] == 0 else 1
     e.planar.ready = m.disks > 0
     if rubs:
-        for i in range(2 * m.slots):
-            r.later[i] = s.v1[i]
+        copy_floats(2 * m.slots, s.v1, r.later)
     found = ask_laws(e, s, c, bounces)
     e.planar.ready = False
     for d in range(m.disks):

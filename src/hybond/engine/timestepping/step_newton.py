@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.law_records import Ports
@@ -60,16 +61,14 @@ def constrain(e: Engine, s: Stepping, p: Ports) -> int:
     mode = open_mode(e, p)
     if not is_constrained(mode):
         return OK
-    for k in range(m.storages):
-        s.v1[m.stored_slot + k] = s.y[k]
+    copy_part(m.storages, s.y, 0, s.v1, m.stored_slot)
     if mode.structures > 0 and solve_with(e, p, s.v1, s.nothing) != OK:
         return REFUSED
     if enter_mode(e, mode, s.v1, s.y, s.x) != OK:
         return REFUSED
     for b in range(2 * m.bonds):
         s.thrust[b] += e.impulses[b]
-    for k in range(m.storages):
-        s.y[k] = s.x[k]
+    copy_floats(m.storages, s.x, s.y)
     return OK
 
 
@@ -131,8 +130,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             # steep there, and not where it leads: no step ends by them alone, none begins with them
             c.known = False
         if projected or (update <= UPDATED and (near >= NEARBY or last <= UPDATED)):
-            for k in range(m.storages):
-                s.move[k] = s.y[k]
+            copy_floats(m.storages, s.y, s.move)
             if constrain(e, s, p) != OK:
                 return REFUSED
             moved = False

@@ -31,7 +31,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.complementarity.law_roles import ONE_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine
@@ -86,12 +86,9 @@ def write_point(e: Engine, v: Floats, t: float, y: Floats, w: Floats) -> None:
     m = e.model
     write_state(e, v, e.state)
     set_time(e, v, t)
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y[k]
-    for k in range(m.integrals):
-        v[m.signal_slot + k] = y[m.storages + k]
-    for b in range(2 * m.bonds):
-        v[m.bond_slot + b] = w[b]
+    copy_part(m.storages, y, 0, v, m.stored_slot)
+    copy_part(m.integrals, y, m.storages, v, m.signal_slot)
+    copy_part(2 * m.bonds, w, 0, v, m.bond_slot)
     for k in range(m.slots):
         v[m.slots + k] = v[k]
 
@@ -143,8 +140,7 @@ def end_of_step(e: Engine, s: Stepping, t1: float, h: float) -> int:
     for k in range(m.slots):
         s.v0[m.slots + k] = 0.0
         s.v1[m.slots + k] = 0.0
-    for k in range(m.slots):
-        s.v1[k] = s.v0[k]
+    copy_floats(m.slots, s.v0, s.v1)
     if rates_at(e, s, p, e.y, s.nothing, s.rate0) != OK:
         return REFUSED
     for b in range(2 * m.bonds):
@@ -185,8 +181,7 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         s.y[k] += s.move[k]
     if constrain(e, s, p) != OK:
         return REFUSED
-    for k in range(n):
-        s.v1[m.stored_slot + k] = s.y[k]
+    copy_part(n, s.y, 0, s.v1, m.stored_slot)
     if solve_with(e, p, s.v1, s.nothing) != OK:
         return REFUSED
     a = e.laws.response
@@ -194,8 +189,7 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         s.base[b] = e.work.w[b]
         a.bonds[b] = s.base[b]
     find_sizes(e, p, a)
-    for k in range(m.ports):
-        s.doubt[k] = a.size[k]
+    copy_floats(m.ports, a.size, s.doubt)
     close_half_way(e, s, p, c.h, s.base)
     if solve_step_laws(e, s, p, c, s.base, True) != OK:
         return REFUSED
@@ -208,12 +202,10 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         # what laws bring to rest is at rest, and not at what rounding leaves of its terms
         if math.fabs(s.y[k]) <= AT_END * size:
             s.y[k] = 0.0
-    for b in range(2 * m.bonds):
-        s.without[b] = s.base[b]
+    copy_floats(2 * m.bonds, s.base, s.without)
     if (m.integrals > 0 or theta < 1.0) and rates_at(e, s, p, s.y, s.nothing, s.rate) != OK:
         return REFUSED
-    for b in range(2 * m.bonds):
-        s.without[b] = e.work.w[b]
+    copy_floats(2 * m.bonds, e.work.w, s.without)
     if rates_at(e, s, p, s.y, s.l, s.rate_l) != OK:
         return REFUSED
     for k in range(m.integrals):
@@ -227,8 +219,7 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
     """Make the end of a step the present point, and find what it did."""
     m = e.model
     w = e.work.w
-    for b in range(2 * m.bonds):
-        s.w[b] = w[b]
+    copy_floats(2 * m.bonds, w, s.w)
     if m.ports > 0:
         hold_touching(e, s, p, h)
     meter_step(m, s, h)
@@ -248,8 +239,7 @@ def finish_step(e: Engine, s: Stepping, p: Ports, t1: float, h: float) -> None:
             s.branch[k] = 0
     s.t0 = e.t
     e.t = t1
-    for k in range(e.states):
-        e.y[k] = s.y[k]
+    copy_floats(e.states, s.y, e.y)
     s.since += 1
     note_closed_gaps(e, s)
     for k in range(m.machines):
@@ -287,6 +277,5 @@ def steady_bonds(e: Engine, s: Stepping) -> int:
     write_point(e, s.v1, e.t, e.y, s.w)
     if solve_with(e, r.now, s.v1, s.nothing) != OK:
         return REFUSED
-    for b in range(2 * m.bonds):
-        s.w[b] = e.work.w[b]
+    copy_floats(2 * m.bonds, e.work.w, s.w)
     return OK

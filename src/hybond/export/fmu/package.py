@@ -50,11 +50,6 @@ def to_fmu(model: Model, *, fmi: str = "3.0", **options: object) -> bytes:
     **options
         Of the run: ``until``, ``solver``, ``rtol``, ``atol``, ``step``, ``max_step``, ``impact``.
 
-    Returns
-    -------
-    bytes
-        A ZIP archive.
-
     Raises
     ------
     UsageError

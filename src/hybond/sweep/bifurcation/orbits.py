@@ -60,7 +60,6 @@ def words_of(when: Vector, since: Vector, modes: Sequence[int]) -> tuple[Word, .
         When samples were taken; behind the last one the end.
     since : array
         When modes were written, the first one at the first sample.
-    modes : sequence of int
 
     Examples
     --------
@@ -96,7 +95,6 @@ def orbit_of(
     Parameters
     ----------
     samples : array, shape (signals, samples)
-    words : sequence of Word
     scale : array, shape (signals,)
     longest : int
         Periods up to this one are looked for, and up to half the samples.

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.methods.explicit.step_room import Step
 from hybond.engine.methods.tolerances.defects import begin_levels, defect_of_stages
@@ -163,8 +163,7 @@ def dopri_attempt(e: Engine, t1: float) -> float:
     s = e.step
     n = e.states
     h = t1 - s.t0
-    for k in range(n):
-        s.k[k] = s.f0[k]
+    copy_floats(n, s.f0, s.k)
     for stage in range(1, 7):
         at = s.y1 if stage == 6 else s.trial
         weigh(n, stage, h, 7 * stage, s, at, 0)
@@ -173,8 +172,7 @@ def dopri_attempt(e: Engine, t1: float) -> float:
         t = t1 if stage >= 5 else s.t0 + STAGE_AT[stage] * h
         if field(e, e.mode, t, at, s.rate) != OK or not all_finite(n, s.rate):
             return math.nan
-        for k in range(n):
-            s.k[stage * n + k] = s.rate[k]
+        copy_part(n, s.rate, 0, s.k, stage * n)
     if not all_finite(n, s.y1):
         return math.nan
     weigh(n, 7, h, 49, s, s.error, 0)

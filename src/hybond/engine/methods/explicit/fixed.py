@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.method_numbers import EULER, RK4
 from hybond.engine.methods.explicit.dopri import begin_step, goes_elsewhere, not_finite
@@ -106,16 +106,14 @@ def stages(e: Engine, t1: float) -> int:
     h = t1 - s.t0
     middle = s.t0 + 0.5 * h
     copy_floats(n, s.f0, s.rate)
-    for k in range(n):
-        s.k[k] = s.f0[k]
+    copy_floats(n, s.f0, s.k)
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
         for k in range(n):
             s.trial[k] = s.y0[k] + part * s.rate[k]
         if field(e, e.mode, t1 if stage == 3 else middle, s.trial, s.rate) != OK:
             return NOT_FINITE
-        for k in range(n):
-            s.k[stage * n + k] = s.rate[k]
+        copy_part(n, s.rate, 0, s.k, stage * n)
     for k in range(n):
         total = s.f0[k] + 2.0 * (s.k[n + k] + s.k[2 * n + k]) + s.k[3 * n + k]
         s.error[k] = h / 6.0 * total

@@ -9,7 +9,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.mode.solving import solve
 from hybond.engine.model import Model
 from hybond.engine.surfaces.values import set_motion
@@ -107,8 +107,7 @@ def shown_rate(e: Engine, k: int) -> float:
     """Return the rate of storage `k` in the motion that is shown."""
     m = e.model
     at = rate_bond(m, k)
-    rate = e.v[m.bond_slot + at]
-    return -rate if m.storage_kind[k] == 0 and m.storage_sign[k] < 0 else rate
+    return way_of_rate(m, k) * e.v[m.bond_slot + at]
 
 
 def show_motion(e: Engine, t: float, y: Floats) -> bool:

@@ -13,6 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.lu import SINGULAR
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.one_instant import room_of_instant
@@ -72,8 +73,7 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
     stuck = False
     swings = False
     if found == STAGES_CONVERGED:
-        for i in range(r.n):
-            r.stage[i] = r.y[2 * r.n + i]
+        copy_part(r.n, r.y, 2 * r.n, r.stage, 0)
         within = rate_at(e, r.n, r.t1, r.stage, r.end) == OK
         swings = within and s.left_edge and r.swings
         stuck = within and r.iterations == 1 and not s.left_edge and is_stuck(e, r)
@@ -111,8 +111,7 @@ def rises(e: Engine, r: Radau) -> bool:
         return False
     for k in range(m.edges):
         s.edge_there[k] = value(m, m.edge_value[k], e.v)
-    for i in range(n):
-        r.shifted[i] = r.y[2 * n + i]
+    copy_part(n, r.y, 2 * n, r.shifted, 0)
     if evaluate(e, e.mode, e.v, r.t1, r.shifted) != OK:
         return False
     for k in range(m.edges):

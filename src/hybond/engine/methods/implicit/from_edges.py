@@ -20,7 +20,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import AUTO, EXACT
@@ -118,8 +118,7 @@ def leaves_edge(e: Engine, t: float, y: Floats, f: Floats, h: float) -> bool:
     see_edges(e, t, y)
     leaves = False
     moves = -1
-    for i in range(e.states):
-        s.trial[i] = y[i]
+    copy_floats(e.states, y, s.trial)
     for _ in range(FILLS if s.on_edge else 0):
         if rate_at(e, e.states, t + h, s.trial, s.rate) != OK:
             break
@@ -183,8 +182,7 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
         before = part
         if part <= least or stalled >= STALLED:
             return False
-        for i in range(n):
-            r.stage[i] = r.y[2 * n + i]
+        copy_part(n, r.y, 2 * n, r.stage, 0)
         tolerance(e, r.y0, r.stage, r.other)
         if e.model.bends > 0.0:
             held_by_law(e, r, r.other)
@@ -302,8 +300,7 @@ def put_whole(e: Engine, r: Radau, rtol: float) -> None:
     """
     n = r.n
     many = 3 * n
-    for i in range(n):
-        r.stage[i] = r.y[2 * n + i]
+    copy_part(n, r.y, 2 * n, r.stage, 0)
     tolerance(e, r.y0, r.stage, r.other)
     for k in range(many * many):
         r.whole.at[k] = 0.0
@@ -334,8 +331,7 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
     n = r.n
     r.twofold_from = math.inf
     t = stage_time(r, s)
-    for i in range(n):
-        r.shifted[i] = r.y[s * n + i]
+    copy_part(n, r.y, s * n, r.shifted, 0)
     for j in range(n):
         here = r.shifted[j]
         delta = DIGITS * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)

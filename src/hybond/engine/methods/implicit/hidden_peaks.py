@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.implicit.radau_factors import solve_real
@@ -89,8 +89,7 @@ def hidden_at_end(e: Engine, t1: float, error: float) -> float:
     parts = parts_looked_at(e, s.t0, t1 - s.t0, error)
     if parts == 0:
         return error
-    for k in range(e.states):
-        s.peak_f1[k] = s.k[6 * e.states + k]
+    copy_part(e.states, s.k, 6 * e.states, s.peak_f1, 0)
     return HIDES if hides(e, e.radau, False, parts, s.t0, s.y0, s.f0, t1, s.y1) else error
 
 
@@ -100,8 +99,7 @@ def hidden_in_stages(e: Engine, r: Radau, error: float) -> float:
     parts = parts_looked_at(e, r.t0, r.t1 - r.t0, error)
     if parts == 0:
         return error
-    for k in range(e.states):
-        s.peak_f1[k] = r.f[2 * e.states + k]
+    copy_part(e.states, r.f, 2 * e.states, s.peak_f1, 0)
     return HIDES if hides(e, r, True, parts, r.t0, r.y0, r.f0, r.t1, r.y1) else error
 
 

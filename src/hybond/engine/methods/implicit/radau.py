@@ -10,7 +10,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.lu import SINGULAR
-from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.dopri import spacing
@@ -116,8 +116,7 @@ def filtered_error(r: Radau, f: Floats, rest: Floats) -> float:
 def estimate_error(e: Engine, r: Radau) -> None:
     """Estimate the error of the step that is tried."""
     n = r.n
-    for i in range(n):
-        r.stage[i] = r.y[2 * n + i]
+    copy_part(n, r.y, 2 * n, r.stage, 0)
     e.step.tried = r.h
     e.step.solved = True
     tolerance(e, r.y0, r.stage, r.other)
@@ -209,8 +208,7 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     if r.error <= 1.0 and not r.swings:
         # what swings about rest is within the tolerance, and its rates say nothing of how far
         hold_dense(e, r)
-    for i in range(n):
-        r.y1[i] = r.y[2 * n + i]
+    copy_part(n, r.y, 2 * n, r.y1, 0)
     if r.error <= 1.0:
         r.error = max(r.error, strayed(e, r.t0, r.y0, r.t1, r.y1))
         r.error = hidden_in_stages(e, r, r.error)
@@ -332,8 +330,7 @@ def control_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float
     if not cut:
         r.h_before = r.h
         r.error_before = max(r.error, RADAU_SMALLEST)
-    for k in range(3 * r.n):
-        r.polynomial[k] = r.coefficients[k]
+    copy_floats(3 * r.n, r.coefficients, r.polynomial)
     r.left = r.now_left
     r.span = r.h
     r.origin = 1.0
@@ -456,12 +453,10 @@ def radau_between(r: Radau, t: float, y: Floats) -> None:
     while k > 0 and t < r.piece_t0[k]:
         k -= 1
     if t == r.piece_t0[k]:
-        for i in range(n):
-            y[i] = r.piece_y0[k * n + i]
+        copy_part(n, r.piece_y0, k * n, y, 0)
         return
     if t == r.piece_t1[k]:
-        for i in range(n):
-            y[i] = r.piece_y1[k * n + i]
+        copy_part(n, r.piece_y1, k * n, y, 0)
         return
     x = (t - r.piece_t0[k]) / (r.piece_t1[k] - r.piece_t0[k])
     square = x * x

@@ -12,7 +12,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.dopri import error_norm_of
@@ -202,8 +202,7 @@ def exact_attempt(e: Engine, t1: float) -> float:
         # powers of the matrix have a rounding of their own
         for part in range(PARTS + 1 if e.standing.stands[k] != 0 else 0):
             z[part * f.n + k] = s.y0[k]
-    for k in range(n):
-        s.y1[k] = z[PARTS * f.n + k]
+    copy_part(n, z, PARTS * f.n, s.y1, 0)
     if x.alongs > 0 and take_along(e, t1) != OK:
         return math.nan
     if not all_finite(n, s.y1) or field(e, e.mode, t1, s.y1, s.rate) != OK:
@@ -264,14 +263,12 @@ def take_along(e: Engine, t1: float) -> int:
     h = t1 - s.t0
     copy_floats(n, s.f0, x.rates)
     for part in range(1, PARTS + 1):
-        for k in range(n):
-            x.y[k] = x.parts.at[part * width + k]
+        copy_part(n, x.parts.at, part * width, x.y, 0)
         at = t1 if part == PARTS else s.t0 + float(part) / float(PARTS) * h
         found = field(e, e.mode, at, x.y, x.rate)
         if found != OK:
             return found
-        for k in range(n):
-            x.rates[part * n + k] = x.rate[k]
+        copy_part(n, x.rate, 0, x.rates, part * n)
     for k in range(n):
         if x.along[k] == 0:
             continue

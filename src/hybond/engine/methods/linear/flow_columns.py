@@ -14,7 +14,7 @@ from hybond.engine.methods.linear.linear_rows import solve_rows
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.reading import read_by_knowns
 from hybond.engine.mode.rows.storage import is_alone
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.model import Model
 
 
@@ -45,12 +45,12 @@ def put_stored(e: Engine, mode: Mode, n: int) -> None:
     m = e.model
     rows = mode.direct
     for k in range(m.storages):
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
+        way = way_of_rate(m, k)
         for i in range(rows.first.at[mode.rate_row[k]], rows.first.at[mode.rate_row[k] + 1]):
             c = rows.column.at[i]
             if c < m.storages:
                 rate = rows.value.at[i] * m.stiff_constant[m.stiff_first[c]]
-                e.exact.dense.at[k * n + c] = -rate if negative else rate
+                e.exact.dense.at[k * n + c] = way * rate
 
 
 def put_column(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> int:
@@ -68,8 +68,7 @@ def put_column(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> int:
             return NOT_FINITE
     for k in range(m.storages):
         at = rate_bond(m, k)
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
-        x.dense.at[k * n + c] = -w[at] if negative else w[at]
+        x.dense.at[k * n + c] = way_of_rate(m, k) * w[at]
     first = 2 * m.sources + m.dynamics
     for k in range(m.integrals):
         if x.along[m.storages + k] != 0:
@@ -94,10 +93,9 @@ def put_column_twofold(e: Engine, mode: Mode, f: Flow, n: int, c: int) -> bool:
         solve_rows(e, mode, column)
     for k in range(m.storages):
         at = rate_bond(m, k)
-        negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
         x.total = 0.0
         x.over = 0.0
-        add_bond_twofold(e, mode, at, -1.0 if negative else 1.0)
+        add_bond_twofold(e, mode, at, way_of_rate(m, k))
         put_twofold(x, f, n, k, c)
     first = 2 * m.sources + m.dynamics
     for k in range(m.integrals):

@@ -14,6 +14,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places, grow_block, grow_places
+from hybond.engine.algebra.products import largest_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.twofold import add_product, product_rest
 from hybond.engine.engine import Engine
@@ -145,7 +146,7 @@ def take_off(x: Exact, f: Flow, states: int, fast: float) -> bool:
     n = f.n
     a = x.dense.at
     for i in range(states):
-        x.largest.at[i] = row_largest(a, n, i, states)
+        x.largest.at[i] = largest_part(states, a, i * n)
         f.pivoted.at[i] = 0
         f.standing.at[i] = 0 if is_read(a, n, i, states) else -1
     while True:
@@ -166,17 +167,9 @@ def take_off(x: Exact, f: Flow, states: int, fast: float) -> bool:
             if f.standing.at[k] != 1 and math.fabs(a[k * n + column]) >= fast:
                 take_row_off(x, f, row, k, column)
     for i in range(states):
-        if x.largest.at[i] >= fast and row_largest(a, n, i, states) < LESS * x.largest.at[i]:
+        if x.largest.at[i] >= fast and largest_part(states, a, i * n) < LESS * x.largest.at[i]:
             return True
     return False
-
-
-def row_largest(a: Floats, n: int, i: int, states: int) -> float:
-    """Return the size of the largest entry that a row has for a state."""
-    most = 0.0
-    for j in range(states):
-        most = max(most, math.fabs(a[i * n + j]))
-    return most
 
 
 def is_read(a: Floats, n: int, j: int, states: int) -> bool:

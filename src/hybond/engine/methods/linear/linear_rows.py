@@ -15,6 +15,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton import by_knowns
 from hybond.engine.mode.nonlinear.newton_step import newton_step
 from hybond.engine.mode.nonlinear.newton_system import by_free, with_free
+from hybond.engine.mode.rows.hidden_rows import add_rates
 from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
@@ -146,7 +147,7 @@ def solve_rows(e: Engine, mode: Mode, column: int) -> None:
         for k in range(n):
             total += x.row[k] * work.base[k]
         work.residual.at[rows] = total
-        by_free(mode, n, x.row, 0, 0, x.r.at)
+        by_free(mode, n, x.row, 0, x.r.at)
         many = 0
         for j in range(frees):
             if x.open.at[j] == 0:
@@ -187,11 +188,7 @@ def take_row(e: Engine, mode: Mode, i: int, column: int) -> float:
             if s >= 0 and m.source_rate[s] >= 0:
                 total += add_form(m, m.sources + s, factor, column, row)
             continue
-        for j in range(m.stiff_first[k], m.stiff_first[k + 1]):
-            s = m.stiff_other[j]
-            bond = rate_bond(m, s)
-            way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-            row[bond] += factor * m.stiff_constant[j] * way
+        add_rates(m, row, k, factor)
     return total
 
 

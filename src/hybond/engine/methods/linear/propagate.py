@@ -13,7 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Block, fit, make_block
-from hybond.engine.algebra.products import copy_floats, times_matrix, times_vector
+from hybond.engine.algebra.products import copy_floats, copy_part, times_matrix, times_vector
 from hybond.engine.algebra.twofold import sum_rest
 from hybond.engine.methods.linear.flow_records import LEVELS, PARTS, TERMS, Exact, Flow
 from hybond.engine.words import Floats, some
@@ -200,11 +200,9 @@ def pass_parts(x: Exact, f: Flow, h: float) -> bool:
         else:
             if not pass_time(x, f, x.b.at, end - begin):
                 return False
-            for i in range(n):
-                parts[(done + 1) * n + i] = x.b.at[i]
+            copy_part(n, x.b.at, 0, parts, (done + 1) * n)
         done += reach
-        for i in range(n):
-            x.b.at[i] = parts[done * n + i]
+        copy_part(n, parts, done * n, x.b.at, 0)
     for part in range(1, PARTS + 1 if f.shares > 0 else 1):
         from_own(f, parts, part * n, x.b2.at, x.shared.at)
     for part in range(PARTS + 1):

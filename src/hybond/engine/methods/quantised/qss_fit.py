@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.explicit.dopri import not_finite, spacing
 from hybond.engine.methods.explicit.failed_steps import no_rate
@@ -73,8 +73,7 @@ def asked_along(e: Engine, a: Quantised, h: float) -> bool:
         found = field(e, e.mode, a.t + s, a.y, a.rate)
         if found != OK or not all_finite(n, a.rate):
             return False
-        for i in range(n):
-            a.rates[node * n + i] = a.rate[i]
+        copy_part(n, a.rate, 0, a.rates, node * n)
     return True
 
 

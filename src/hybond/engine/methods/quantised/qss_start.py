@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_times
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.dopri import goes_elsewhere
 from hybond.engine.methods.linear.flow import take_flow
@@ -44,8 +44,7 @@ def qss_start(e: Engine, t: float, y: Floats, t_bound: float, jumped: bool) -> i
             return OK
     a.bound = t_bound
     if field(e, e.mode, t, s.y, s.f) != OK or not all_finite(a.states, s.f):
-        for i in range(a.states):
-            a.rate[i] = s.f[i]
+        copy_floats(a.states, s.f, a.rate)
         return rate_not_finite(e, 0.0, True)
     tolerance(e, s.y, s.y, s.scale)
     if forget:

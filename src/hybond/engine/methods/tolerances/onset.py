@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.tolerances.scale import SHORT, tolerance
 from hybond.engine.mode.mode_records import Mode
@@ -88,8 +88,7 @@ def pass_moment(e: Engine, mode: Mode, t: float, soon: float) -> bool:
     n = e.states
     steps = FEWEST
     for way in range(WAYS):
-        for k in range(n):
-            s.passed[k] = s.began_at[k]
+        copy_floats(n, s.began_at, s.passed)
         h = soon / float(steps)
         for i in range(steps):
             if not pass_part(e, mode, t + float(i) * h, h):
@@ -142,6 +141,5 @@ def pass_part(e: Engine, mode: Mode, t: float, h: float) -> bool:
         for k in range(n):
             s.passed_next[k] += part * s.rate[k]
             s.trial[k] = s.passed[k] + ahead * s.rate[k]
-    for k in range(n):
-        s.passed[k] = s.passed_next[k]
+    copy_floats(n, s.passed_next, s.passed)
     return all_finite(n, s.passed)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
@@ -76,8 +77,7 @@ def start_scale(e: Engine, mode: Mode) -> None:
     forget_rounding(e)
     found = found_terms(e, mode, e.t, e.y)
     if not found or is_unmoved(e):
-        for k in range(m.storages):
-            e.work.reach[k] = e.rounding[k]
+        copy_floats(m.storages, e.rounding, e.work.reach)
         find_still(e, found)
         look_later(e, mode)
         found_terms(e, mode, e.t + soon, e.y)
@@ -159,8 +159,7 @@ def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
     if field(e, mode, e.t + soon, e.y, e.step.rate) == OK:
         for k in range(e.states):
             e.step.trial[k] = e.y[k] + soon * e.step.rate[k]
-        for k in range(m.storages):
-            e.work.reach[k] = e.rounding[k]
+        copy_floats(m.storages, e.rounding, e.work.reach)
         found_terms(e, mode, e.t + soon, e.step.trial)
         for k in range(m.storages):
             if e.work.reach[k] == 0.0 and e.rounding[k] < math.inf:
@@ -229,8 +228,7 @@ def measure_again(e: Engine, mode: Mode) -> None:
     A source that begins at zero has pushed by next to nothing where motion started.
     """
     before = e.work.reach
-    for k in range(e.model.storages):
-        before[k] = e.rounding[k]
+    copy_floats(e.model.storages, e.rounding, before)
     measure_anew(e, mode)
     for k in range(e.model.storages):
         e.rounding[k] = max(before[k], e.rounding[k])
@@ -257,10 +255,8 @@ def measure_behind(e: Engine, mode: Mode) -> None:
             none = none or (e.rounding[k] == 0.0 and e.moved_rounding[k] == 0.0)
         if not none or field(e, mode, e.step.t, e.step.y, e.step.rate) != OK:
             break
-        for k in range(m.storages):
-            here[k] = e.step.rate[k]
-        for k in range(e.states):
-            y[k] = e.step.y[k]
+        copy_floats(m.storages, e.step.rate, here)
+        copy_floats(e.states, e.step.y, y)
         for k in range(m.storages):
             y[k] += known_to(e, k)
         if field(e, mode, e.step.t, y, e.step.rate) != OK:
@@ -298,8 +294,7 @@ def sum_closely_on(e: Engine, mode: Mode) -> None:
     """
     mode.closely = True
     before = e.work.reach
-    for k in range(e.model.storages):
-        before[k] = e.rounding[k]
+    copy_floats(e.model.storages, e.rounding, before)
     measure_anew(e, mode)
     for k in range(e.model.storages):
         if e.rounding[k] == 0.0 and e.y[k] == 0.0:
@@ -313,8 +308,7 @@ def measure_ahead(e: Engine, mode: Mode, t: float) -> None:
     """
     before = e.work.reach
     refusal = e.refusal
-    for k in range(e.model.storages):
-        before[k] = e.rounding[k]
+    copy_floats(e.model.storages, e.rounding, before)
     hold_guess(e, mode)
     forget_pushes(e)
     found_terms(e, mode, t, e.y)
@@ -366,8 +360,7 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
         return
     v = e.work.values
     own = e.work.ahead
-    for k in range(m.storages):
-        v[m.stored_slot + k] = y0[k]
+    copy_part(m.storages, y0, 0, v, m.stored_slot)
     here = e.work.part_here
     tried = e.work.part_tried
     for i in range(e.parts):

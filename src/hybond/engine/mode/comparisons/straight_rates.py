@@ -6,7 +6,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.mode.comparisons.sum_records import Sums, begin_sum, begin_sums, end_sum
 from hybond.engine.mode.comparisons.sums import take_bond, take_sum
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -50,9 +50,8 @@ def take_all(e: Engine, s: Sums) -> bool:
 def take_rate(e: Engine, m: Model, s: Sums, k: int) -> bool:
     """Take the rate of storage k; False if it is no sum."""
     at = rate_bond(m, k)
-    negative = m.storage_kind[k] == 0 and m.storage_sign[k] < 0
     begin_sum(s, k)
-    known = take_bond(e, s, k, at, -1.0 if negative else 1.0)
+    known = take_bond(e, s, k, at, way_of_rate(m, k))
     end_sum(s, k, known)
     return known
 

@@ -28,7 +28,6 @@ class Cluster:
 def make_cluster(storages: int) -> Cluster:
     """Return room for none."""
     c = Cluster()
-    c.many = 0
     c.member = make_places(1)
     c.place = make_places(storages)
     c.after = make_places(storages)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.engine import Engine
 from hybond.engine.method_numbers import MOREAU
@@ -242,18 +243,14 @@ def remember_now(e: Engine) -> None:
 def keep_seen(e: Engine, mode: Mode) -> None:
     """Keep what is seen in the motion that begins, for a run that goes on with it."""
     m = e.model
-    for b in range(2 * m.bonds):
-        e.seen_before[b] = mode.seen[b]
-    for k in range(m.storages):
-        e.fades_before[k] = mode.fades_to[k]
+    copy_floats(2 * m.bonds, mode.seen, e.seen_before)
+    copy_floats(m.storages, mode.fades_to, e.fades_before)
 
 
 def see_as_before(e: Engine, mode: Mode) -> None:
     """Let rounding be measured as in the motion that goes on in another run."""
     m = e.model
-    for b in range(2 * m.bonds):
-        mode.seen[b] = e.seen_before[b]
-    for k in range(m.storages):
-        mode.fades_to[k] = e.fades_before[k]
+    copy_floats(2 * m.bonds, e.seen_before, mode.seen)
+    copy_floats(m.storages, e.fades_before, mode.fades_to)
     mode.seen_taken = False
     mode.saw = False

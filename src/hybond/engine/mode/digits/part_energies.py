@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.algebra.separate import first_of, unite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.comparisons.sum_records import Sums
@@ -45,8 +46,7 @@ def join_parts(e: Engine, mode: Mode) -> None:
     inherit(e, parts, e.scale_energy)
     inherit(e, parts, e.pushed_energy)
     inherit_sizes(e, parts)
-    for k in range(m.storages):
-        e.storage_part[k] = w.new_part[k]
+    copy_places(m.storages, w.new_part, 0, e.storage_part, 0)
     e.parts = parts
     e.energies_seen += 1.0
 
@@ -94,8 +94,7 @@ def inherit(e: Engine, parts: int, energy: Floats) -> None:
     for k in range(m.storages):
         p = e.work.new_part[k]
         most[p] = max(most[p], energy[e.storage_part[k]])
-    for p in range(parts):
-        energy[p] = most[p]
+    copy_floats(parts, most, energy)
 
 
 def inherit_sizes(e: Engine, parts: int) -> None:
@@ -115,8 +114,7 @@ def inherit_sizes(e: Engine, parts: int) -> None:
         at = i * n + e.states
         for p in range(parts):
             e.work.part_here[p] = s[at + source[p]]
-        for p in range(parts):
-            s[at + p] = e.work.part_here[p]
+        copy_part(parts, e.work.part_here, 0, s, at)
 
 
 # -- what they have held

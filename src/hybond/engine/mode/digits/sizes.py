@@ -220,7 +220,7 @@ def seen_through(e: Engine, mode: Mode, v: Floats) -> None:
             first = mode.structure[i] * n
             if m.dynamic_affine[mode.dynamic[mode.structure[i]]] == 0:
                 continue
-            by_free(mode, n, work.frozen.at, first, 0, row)
+            by_free(mode, n, work.frozen.at, first, row)
             alone = -1
             for j in range(frees):
                 if row[j] != 0.0 and found[j] < 0.0:

@@ -11,7 +11,7 @@ import math
 
 from hybond.engine.algebra.blocks import fit, fit_places, row_size
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
@@ -74,8 +74,7 @@ def by_residuals(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
             if inside > work.residual_size.at[i]:
                 work.residual_size.at[i] = inside
     fit(work.row_size, rows)
-    for i in range(rows):
-        work.row_size.at[i] = work.residual_size.at[i]
+    copy_floats(rows, work.residual_size.at, work.row_size.at)
     if not invert(e, rows):
         return
     vague = False

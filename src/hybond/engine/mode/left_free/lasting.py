@@ -7,7 +7,7 @@ is free at that instant alone: a moment later the pressure is where it opens, an
 from __future__ import annotations
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_part
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.flat_sides import is_any_at_corner
@@ -36,8 +36,7 @@ def is_free_at_corners(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
     for i in range(rows):
         for j in range(wide):
             work.a.at[i * wide + j] = 0.0
-        for j in range(frees):
-            work.a.at[i * wide + j] = work.jacobian.at[i * frees + j]
+        copy_part(frees, work.jacobian.at, i * frees, work.a.at, i * wide)
         for k in range(n):
             slope = work.slopes.at[i * n + k]
             if slope != 0.0:

@@ -10,7 +10,10 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Rows, fit, fit_places, grow_block, grow_places
 from hybond.engine.algebra.products import (
+    copy_floats,
+    copy_part,
     largest,
+    largest_part,
     times_cancelling,
     times_orthonormal,
 )
@@ -51,13 +54,7 @@ def junction_rows(m: Model, mode: Mode, rows: Floats) -> int:
 
 def is_undetermined(n: int, many: int, freedom: Floats, k: int) -> bool:
     """Whether the columns of `freedom`, of n rows, move bond variable k."""
-    largest = 0.0
-    for i in range(n * many):
-        largest = max(largest, math.fabs(freedom[i]))
-    own = 0.0
-    for i in range(many):
-        own = max(own, math.fabs(freedom[k * many + i]))
-    return own > MOVED * largest
+    return largest_part(many, freedom, k * many) > MOVED * largest(n * many, freedom)
 
 
 def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage) -> None:
@@ -85,8 +82,7 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
     if rows > 0:
         fit(p.basis, n * many)
         fit(p.taken, many * n)
-        for i in range(n * many):
-            p.basis.at[i] = freedom[i]
+        copy_floats(n * many, freedom, p.basis.at)
         times_cancelling(rows, n, many, w.a.at, freedom, w.b.at)
         pseudo_inverse(d, rows, many, w.b.at, MOVED, w.c.at)
         clear_rounding(many * rows, w.c.at)
@@ -96,8 +92,7 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
         left = null_space(d, rows, many, w.b.at, RANK, w.c.at)
         times_orthonormal(n, many, left, freedom, w.c.at, p.basis2.at)
     else:
-        for i in range(n * many):
-            p.basis2.at[i] = freedom[i]
+        copy_floats(n * many, freedom, p.basis2.at)
     if left == 0:
         return
     # second stage: the undetermined bonds
@@ -105,8 +100,7 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
     bonds = 0
     for k in range(n):
         if is_undetermined(n, many, freedom, k):
-            for i in range(left):
-                w.b.at[bonds * left + i] = p.basis2.at[k * left + i]
+            copy_part(left, p.basis2.at, k * left, w.b.at, bonds * left)
             bonds += 1
     if bonds == 0:
         return

@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.algebra.products import all_finite, times_cancelling
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part, times_cancelling
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.left_free.lasting import is_free_at_corners
@@ -197,13 +197,11 @@ def freedom_at(e: Engine, mode: Mode, v: Floats) -> int:
     work = e.work
     n = 2 * m.bonds
     if mode.dynamics > 0 and mode.finite_frees > 0:
-        for k in range(n):
-            work.w[k] = v[m.bond_slot + k]
+        copy_part(n, v, m.bond_slot, work.w, 0)
         let_go(e, mode)
         find_free(e, mode, v, work.w)
     fit(work.freedom, n * max(mode.loose, 1))
-    for i in range(n * mode.loose):
-        work.freedom.at[i] = mode.freedom.at[i]
+    copy_floats(n * mode.loose, mode.freedom.at, work.freedom.at)
     return mode.loose
 
 

@@ -45,13 +45,6 @@ def begin_on_branch(e: Engine, mode: Mode, t: float) -> None:
     mode.guessed = True
 
 
-def begin_at_root(mode: Mode, root: Floats) -> None:
-    """Let Newton's method begin at these bond variables."""
-    for j in range(mode.finite_frees):
-        mode.guess.at[j] = root[mode.free_column[j]]
-    mode.guessed = True
-
-
 def forget_points(mode: Mode) -> None:
     """Follow none."""
     mode.branch.known = False
@@ -98,7 +91,7 @@ def know(e: Engine, mode: Mode, v: Floats) -> None:
 
 def step_from(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Find Newton's step from `r` after `know`, and factors of the slopes; whether there is one."""
-    b = mode.branch
+    b = e.work.following
     frees = mode.finite_frees
     with_free(mode, 2 * e.model.bonds, e.work.base, r, e.work.w)
     rows = system(e, mode, v, e.work.w)
@@ -113,16 +106,16 @@ def step_from(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     return all_finite(frees, e.work.step.at)
 
 
-def take_signs(mode: Mode, sign: Floats) -> None:
+def take_signs(e: Engine, mode: Mode, sign: Floats) -> None:
     """Put the sign of the determinant of the last step's slopes into `sign`, of each group of laws.
 
     It is zero where there is none. Two groups that turn at one instant leave that of all as it was.
     """
     a = mode.apart
     if a.groups == 0:
-        sign[0] = sign_of_square(mode, -1)
+        sign[0] = sign_of_square(e, mode, -1)
     for g in range(a.groups):
-        sign[g] = sign_of_square(mode, g)
+        sign[g] = sign_of_square(e, mode, g)
 
 
 def groups_of(mode: Mode) -> int:
@@ -130,9 +123,9 @@ def groups_of(mode: Mode) -> int:
     return max(mode.apart.groups, 1)
 
 
-def sign_of_square(mode: Mode, g: int) -> float:
+def sign_of_square(e: Engine, mode: Mode, g: int) -> float:
     """Return the sign for one group; if -1, for all."""
-    b = mode.branch
+    b = e.work.following
     a = mode.apart
     frees = mode.finite_frees
     begin = a.begins.at[g] if g >= 0 else 0

@@ -14,7 +14,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.damped import damped
@@ -35,7 +35,7 @@ STILL: Final = 1e-3
 TRIES: Final = 400
 
 
-def continued(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
+def continued(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Find the free unknowns, into `r`, on the way from laws with a resistance beside them."""
     work = e.work
     frees = mode.finite_frees
@@ -51,12 +51,12 @@ def continued(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> 
     while not found and work.aid <= STRONGEST:
         for j in range(frees):
             r[j] = 0.0
-        found = damped(e, mode, v, r, tolerance)
+        found = damped(e, mode, v, r)
         if not found and jumps(e, mode):
-            found = beyond_jumps(e, mode, v, r) and damped(e, mode, v, r, tolerance)
+            found = beyond_jumps(e, mode, v, r) and damped(e, mode, v, r)
         if not found:
             work.aid *= 1e3
-    found = found and weaken(e, mode, v, r, tolerance)
+    found = found and weaken(e, mode, v, r)
     work.aid = 0.0
     return found
 
@@ -91,7 +91,7 @@ def beyond_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     return True
 
 
-def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
+def weaken(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Make the resistance smaller until there is a solution without one."""
     work = e.work
     frees = mode.finite_frees
@@ -99,25 +99,22 @@ def weaken(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
     part = FIRST_PART
     rests = False
     for _ in range(TRIES):
-        for j in range(frees):
-            work.begun.at[j] = r[j]
+        copy_floats(frees, r, work.begun.at)
         aid = work.aid
         if rests or is_small(e, mode, r):
             work.aid = 0.0
-            if damped(e, mode, v, r, tolerance):
+            if damped(e, mode, v, r):
                 return True
-            for j in range(frees):
-                r[j] = work.begun.at[j]
+            copy_floats(frees, work.begun.at, r)
         if aid < WEAKEST * first:
             return False
         work.aid = part * aid
-        if damped(e, mode, v, r, tolerance):
+        if damped(e, mode, v, r):
             rests = moved_little(frees, work.begun.at, r)
             part = max(part * part, LEAST_PART)
         else:
             rests = False
-            for j in range(frees):
-                r[j] = work.begun.at[j]
+            copy_floats(frees, work.begun.at, r)
             work.aid = aid
             part = math.sqrt(part)
             if part > NO_PART:

@@ -12,10 +12,10 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
-from hybond.engine.mode.nonlinear.newton_step import newton_step
+from hybond.engine.mode.nonlinear.newton_step import TOLERANCE, newton_step
 from hybond.engine.mode.nonlinear.newton_system import (
     LAST_PLACES,
     is_zero,
@@ -39,7 +39,7 @@ SHORTEST: Final = 2.0**-30
 """The smallest part of a step that is tried."""
 
 
-def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
+def damped(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Go from `r` to a root; False if none is found."""
     work = e.work
     n = 2 * e.model.bonds
@@ -69,15 +69,14 @@ def damped(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             step = math.fabs(work.step.at[j])
             work.whole.at[j] = work.step.at[j]
             work.weight.at[j] = max(work.weight.at[j], max(math.fabs(r[j]), step))
-            small = small and step <= tolerance * size
+            small = small and step <= TOLERANCE * size
             last = last and step <= SETTLED * math.fabs(r[j])
         last = last and small
         halves = is_half(frees, work.step.at, work.before.at)
         part = 1.0
         if not last:
             fit(work.slopes_there, rows * frees)
-            for i in range(rows * frees):
-                work.slopes_there.at[i] = work.jacobian.at[i]
+            copy_floats(rows * frees, work.jacobian.at, work.slopes_there.at)
             part = 2.0 if halves and helps(e, mode, v, r, rows, 2.0) else 0.0
             if part == 0.0:
                 part = helpful_part(e, mode, v, r, rows)
@@ -132,8 +131,7 @@ def rounding_weighs(e: Engine, rows: int, frees: int) -> bool:
     fit(work.trial, frees)
     fit(work.jacobian2, rows * frees)
     fit_places(work.pivots, rows)
-    for i in range(rows * frees):
-        work.jacobian2.at[i] = work.slopes_there.at[i]
+    copy_floats(rows * frees, work.slopes_there.at, work.jacobian2.at)
     if lu_factor(rows, work.jacobian2.at, work.pivots.at) == SINGULAR:
         return False
     for j in range(frees):
@@ -178,8 +176,7 @@ def helps(e: Engine, mode: Mode, v: Floats, r: Floats, rows: int, part: float) -
     system(e, mode, v, work.w)
     if not all_finite(rows, work.residual.at):
         return False
-    for i in range(rows * frees):
-        work.jacobian.at[i] = work.slopes_there.at[i]
+    copy_floats(rows * frees, work.slopes_there.at, work.jacobian.at)
     newton_step(e, rows, frees)
     most = 1.0 - 0.5 * part if part <= 1.0 else TWICE
     return weighted(e, frees, work.step.at) <= most * length

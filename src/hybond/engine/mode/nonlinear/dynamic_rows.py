@@ -10,7 +10,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.rows.storage import stiff
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.words import Floats, Ints
 
 
@@ -38,11 +38,7 @@ def dynamic_value(e: Engine, mode: Mode, i: int, v: Floats) -> float:
 def stored_rate(e: Engine, k: int, v: Floats) -> float:
     """Return the rate of a stored quantity: the flow into a C, the effort into an I."""
     m = e.model
-    at = m.bond_slot + m.storage_bond[k]
-    if m.storage_kind[k] == 1:
-        return v[at]
-    flow = v[at + m.bonds]
-    return flow if m.storage_sign[k] > 0 else -flow
+    return way_of_rate(m, k) * v[m.bond_slot + rate_bond(m, k)]
 
 
 def slopes_at(e: Engine, mode: Mode, v: Floats, block: Block) -> None:
@@ -101,5 +97,4 @@ def hidden_slopes(e: Engine, mode: Mode, c: int, v: Floats, at: int, a: Floats) 
         for j in range(m.stiff_first[k], m.stiff_first[k + 1]):
             s = m.stiff_other[j]
             bond = rate_bond(m, s)
-            way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-            a[at + bond] += factor * stiff(m, j, v) * way
+            a[at + bond] += factor * stiff(m, j, v) * way_of_rate(m, s)

@@ -31,15 +31,22 @@ class Branch:
     """Which of the solutions kept a mode last began at, so that it begins at the newest."""
     when: Block
     root: Block
+    own: Block
+    """Bond variables as the step has left them."""
+
+
+@record
+class Following:
+    """Room to follow a solution, and to see whether there may be others."""
+
     sign: Block
     """Of each group of laws: that of the determinant of slopes at the last point; 0 if it has none;
     ..."""
     now: Block
     signs_there: Block
     """... and elsewhere."""
-    own: Block
     found: Block
-    """Bond variables as the step has left them, and at the end of a part of it; ..."""
+    """Bond variables at the end of a part of the step; ..."""
     y: Block
     """... a state within it; ..."""
     here: Block
@@ -57,36 +64,37 @@ class Branch:
     product: Block
     pivot: Places
     values: Block
-    """Room of those who tell whether laws that hang together have one solution, see `one_root`."""
+    """Of those who tell whether laws that hang together have one solution, see `one_root`."""
 
 
 def make_branch() -> Branch:
     """Return none."""
     b = Branch()
     b.several = UNKNOWN
-    b.known = False
-    b.ended = False
-    b.points = 0
-    b.basis = 0
-    b.since = 0.0
     b.when = make_block(1)
     b.root = make_block(1)
-    b.sign = make_block(1)
-    b.now = make_block(1)
-    b.signs_there = make_block(1)
     b.own = make_block(1)
-    b.found = make_block(1)
-    b.y = make_block(1)
-    b.here = make_block(1)
-    b.first = make_block(1)
-    b.there = make_block(1)
-    b.middle = make_block(1)
-    b.known_here = make_block(1)
-    b.square = make_block(1)
-    b.parts = make_block(1)
-    b.part_from = make_places(1)
-    b.chosen = make_places(1)
-    b.product = make_block(1)
-    b.pivot = make_places(1)
-    b.values = make_block(1)
     return b
+
+
+def make_following() -> Following:
+    """Return that room."""
+    f = Following()
+    f.sign = make_block(1)
+    f.now = make_block(1)
+    f.signs_there = make_block(1)
+    f.found = make_block(1)
+    f.y = make_block(1)
+    f.here = make_block(1)
+    f.first = make_block(1)
+    f.there = make_block(1)
+    f.middle = make_block(1)
+    f.known_here = make_block(1)
+    f.square = make_block(1)
+    f.parts = make_block(1)
+    f.part_from = make_places(1)
+    f.chosen = make_places(1)
+    f.product = make_block(1)
+    f.pivot = make_places(1)
+    f.values = make_block(1)
+    return f

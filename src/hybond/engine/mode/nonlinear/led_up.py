@@ -29,7 +29,7 @@ SHORTER: Final = 0.25
 TRIES: Final = 400
 
 
-def led_up(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
+def led_up(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Find the free unknowns, into `r`; False if there is no such way."""
     work = e.work
     n = 2 * e.model.bonds
@@ -51,7 +51,7 @@ def led_up(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> boo
             work.base[k] = there * work.led.at[k]
         for j in range(frees):
             r[j] = work.led_from.at[j] + (there - part) * work.led_by.at[j]
-        if damped(e, mode, v, r, tolerance):
+        if damped(e, mode, v, r):
             if there == 1.0:
                 copy_floats(n, work.led.at, work.base)
                 return True

@@ -23,7 +23,7 @@ SIZES: Final = 7
 """0, 1, -1, 1e-3, -1e-3, 1e3, -1e3."""
 
 
-def from_neighbours(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: float) -> bool:
+def from_neighbours(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Go to a root, into `r`, from what is known of the kinds of the unknowns.
 
     Whether laws had values anywhere is `e.work.had_values`.
@@ -37,7 +37,7 @@ def from_neighbours(e: Engine, mode: Mode, v: Floats, r: Floats, tolerance: floa
             rows = system(e, mode, v, e.work.w)
             if all_finite(rows, e.work.residual.at):
                 e.work.had_values = True
-                if damped(e, mode, v, r, tolerance):
+                if damped(e, mode, v, r):
                     return True
     return False
 

@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import Rows, fit, row_times
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.answers import node_name
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.mode_records import Mode
@@ -153,11 +153,11 @@ def from_nothing_known(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     with_free(mode, n, e.work.base, r, e.work.w)
     rows = system(e, mode, v, e.work.w)
     if not all_finite(rows, e.work.residual.at):
-        found = from_neighbours(e, mode, v, r, TOLERANCE)
+        found = from_neighbours(e, mode, v, r)
     else:
-        found = damped(e, mode, v, r, TOLERANCE)
-        found = found or continued(e, mode, v, r, TOLERANCE)
-    found = found or led_up(e, mode, v, r, TOLERANCE)
+        found = damped(e, mode, v, r)
+        found = found or continued(e, mode, v, r)
+    found = found or led_up(e, mode, v, r)
     return found or enclosed(e, mode, v, r, 0.0)
 
 
@@ -303,8 +303,7 @@ def residuals_fall(e: Engine, rows: int) -> bool:
 def keep_residuals(e: Engine, rows: int) -> None:
     """Keep the residuals to hold the next ones against."""
     fit(e.work.residual_before, rows)
-    for i in range(rows):
-        e.work.residual_before.at[i] = e.work.residual.at[i]
+    copy_floats(rows, e.work.residual.at, e.work.residual_before.at)
 
 
 def largest_share(e: Engine, frees: int, r: Floats) -> float:
@@ -348,23 +347,20 @@ def keep_swing(e: Engine, frees: int, r: Floats) -> None:
 def keep_end(e: Engine, frees: int, r: Floats) -> None:
     """Keep where full steps have ended."""
     fit(e.work.swung, frees)
-    for j in range(frees):
-        e.work.swung.at[j] = r[j]
+    copy_floats(frees, r, e.work.swung.at)
 
 
 def from_swings(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Go on with shorter steps from where full ones swing; if that leads nowhere, stay there."""
     if not shorter_steps(e, mode, v, r, e.work.swung.at):
-        for j in range(mode.finite_frees):
-            r[j] = e.work.swung.at[j]
+        copy_floats(mode.finite_frees, e.work.swung.at, r)
     return True
 
 
 def shorter_steps(e: Engine, mode: Mode, v: Floats, r: Floats, begin: Floats) -> bool:
     """Take shorter steps from `begin`."""
-    for j in range(mode.finite_frees):
-        r[j] = begin[j]
-    return damped(e, mode, v, r, TOLERANCE)
+    copy_floats(mode.finite_frees, begin, r)
+    return damped(e, mode, v, r)
 
 
 def by_held_rows(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
@@ -383,16 +379,14 @@ def by_held_rows(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         if not all_finite(rows, e.work.residual.at):
             return False
         e.work.holds_rows = True
-        found = damped(e, mode, v, r, TOLERANCE)
+        found = damped(e, mode, v, r)
         e.work.holds_rows = False
         if not found:
             return False
-        for j in range(frees):
-            e.work.held.at[j] = r[j]
+        copy_floats(frees, r, e.work.held.at)
         if full_steps(e, mode, v, r):
             return True
-        for j in range(frees):
-            r[j] = e.work.held.at[j]
+        copy_floats(frees, e.work.held.at, r)
     return False
 
 
@@ -466,7 +460,7 @@ def blame(e: Engine, mode: Mode, v: Floats) -> int:
     slopes_at(e, mode, v, e.work.slopes)
     fit(e.work.row, mode.finite_frees)
     for i in range(mode.dynamics):
-        by_free(mode, n, e.work.slopes.at, i * n, 0, e.work.row.at)
+        by_free(mode, n, e.work.slopes.at, i * n, e.work.row.at)
         steep = not all_finite(mode.finite_frees, e.work.row.at)
         if steep or not math.isfinite(dynamic_value(e, mode, i, v)):
             d = mode.dynamic[i]

@@ -7,7 +7,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import Engine
 from hybond.engine.mode.nonlinear.freedom import step_of_singular
@@ -37,10 +37,8 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
     if rows == frees:
         fit(work.jacobian2, rows * frees)
         fit_places(work.pivots, rows)
-        for i in range(rows * frees):
-            work.jacobian2.at[i] = work.jacobian.at[i]
-        for i in range(rows):
-            work.step.at[i] = work.residual.at[i]
+        copy_floats(rows * frees, work.jacobian.at, work.jacobian2.at)
+        copy_floats(rows, work.residual.at, work.step.at)
         if lu_factor(rows, work.jacobian2.at, work.pivots.at) != SINGULAR:
             lu_solve(rows, work.jacobian2.at, work.pivots.at, 1, work.step.at)
             least = least_pivot(rows, work.jacobian.at, work.jacobian2.at)
@@ -48,7 +46,7 @@ def newton_step(e: Engine, rows: int, frees: int) -> bool:
                 clear = least >= CLEAR_PIVOT
                 if not clear and work.bends:
                     refine_step(e, rows)
-                take_single(e, rows)
+                take_single(e, rows, False)
                 return clear
     step_of_singular(e, rows, frees)
     return False

@@ -22,7 +22,7 @@ from hybond.engine.mode.nonlinear.flat_sides import take_flat_sides
 from hybond.engine.mode.nonlinear.freedom import rank_here
 from hybond.engine.mode.nonlinear.slopes_bounded import bound_slopes
 from hybond.engine.mode.rows.storage import stiff
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.words import Floats
 
 LAST_PLACES: Final = 2.0 * EPSILON
@@ -220,21 +220,21 @@ def row_terms(n: int, a: Floats, first: int, size: Floats) -> float:
     return total
 
 
-def by_free(mode: Mode, n: int, a: Floats, first: int, at: int, row: Floats) -> None:
+def by_free(mode: Mode, n: int, a: Floats, first: int, row: Floats) -> None:
     """Put a row of slopes by bond variables there, by free unknowns.
 
     What is not free has no part in it, not even with a slope without bound: a root at zero.
     """
     frees = mode.finite_frees
     for j in range(frees):
-        row[at + j] = 0.0
+        row[j] = 0.0
     for k in range(n):
         slope = a[first + k]
         if slope != 0.0:
             for j in range(frees):
                 share = mode.finite_free.at[k * frees + j]
                 if share != 0.0:
-                    row[at + j] += slope * share
+                    row[j] += slope * share
 
 
 def add_aid(e: Engine, mode: Mode, w: Floats) -> None:
@@ -364,8 +364,7 @@ def hidden_row(e: Engine, mode: Mode, j: int, v: Floats, w: Floats, row: Floats)
         for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
             s = m.stiff_other[i]
             at = rate_bond(m, s)
-            way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-            slope = factor * stiff(m, i, v) * way
+            slope = factor * stiff(m, i, v) * way_of_rate(m, s)
             row[at] += slope
             total += slope * w[at]
     for k in range(mode.sources):

@@ -40,7 +40,7 @@ def has_one_root(e: Engine, mode: Mode, begin: int, end: int, v: Floats) -> bool
 
     `v` holds values that may be written over.
     """
-    b = mode.branch
+    b = e.work.following
     n = end - begin
     if n > MOST or not put_parts(e, mode, begin, n, v):
         return False
@@ -54,10 +54,10 @@ def has_one_root(e: Engine, mode: Mode, begin: int, end: int, v: Floats) -> bool
     above = False
     below = False
     for _ in range(many):
-        sign = sign_of_product(mode, n)
+        sign = sign_of_product(e, n)
         above = above or sign > 0.0
         below = below or sign < 0.0
-        take_next(mode, n)
+        take_next(e, n)
     return not (above and below)
 
 
@@ -67,7 +67,7 @@ def put_parts(e: Engine, mode: Mode, begin: int, n: int, v: Floats) -> bool:
     False if there is a slope of which no sign is known.
     """
     m = e.model
-    b = mode.branch
+    b = e.work.following
     a = mode.apart
     room = 0
     for i in range(n):
@@ -95,7 +95,7 @@ def put_parts(e: Engine, mode: Mode, begin: int, n: int, v: Floats) -> bool:
                     share = mode.finite_free.at[first + a.unknown.at[begin + j]]
                     b.parts.at[constant * n + j] += m.slope_constant[p] * share
                 continue
-            sign = sign_of_slope(e, d, p, v)
+            sign = sign_of_slope(e, mode, d, p, v)
             if sign == 0.0:
                 return False
             for j in range(n):
@@ -106,7 +106,7 @@ def put_parts(e: Engine, mode: Mode, begin: int, n: int, v: Floats) -> bool:
     return True
 
 
-def sign_of_slope(e: Engine, d: int, p: int, v: Floats) -> float:
+def sign_of_slope(e: Engine, mode: Mode, d: int, p: int, v: Floats) -> float:
     """Return the sign that a slope of law d keeps whatever is read; 0 if none is known.
 
     That of a law of one bond is told at numbers of all sizes, once where it reads nothing else.
@@ -116,38 +116,57 @@ def sign_of_slope(e: Engine, d: int, p: int, v: Floats) -> float:
         return float(m.slope_sign[p])
     if m.slope_column[p] != m.dynamic_partner[d]:
         return 0.0
-    if m.slope_sign[p] == HANGS:
-        return sign_by_sizes(e, d, p, v)
-    if e.slope_known[p] == NOT_ASKED:
-        sign = sign_by_sizes(e, d, p, v)
+    if m.slope_sign[p] != HANGS and e.slope_known[p] != NOT_ASKED:
+        return float(e.slope_known[p])
+    sign = sign_by_sizes(e, mode, d, -1, v)
+    sign *= m.dynamic_way[d]
+    if m.slope_sign[p] != HANGS:
         e.slope_known[p] = int(sign)
-    return float(e.slope_known[p])
+    return sign
 
 
-def sign_by_sizes(e: Engine, d: int, p: int, v: Floats) -> float:
-    """Return the sign that a slope has where what its law reads is a number of any size."""
+def sign_by_sizes(e: Engine, mode: Mode, d: int, j: int, v: Floats) -> float:
+    """Return the sign that a slope has where what its law reads is a number of any size; 0: both.
+
+    By unknown j; if -1, as a resistance beside the law: a law that only resists is below zero.
+    """
     m = e.model
-    k = m.slope_column[p]
-    kept = v[m.bond_slot + k]
+    k = m.bond_slot + m.dynamic_partner[d]
+    kept = v[k]
     above = False
     below = False
     for side in range(2):
         for n in range((LARGEST - SMALLEST) * PER_DECADE + 1):
             size = math.pow(10.0, float(SMALLEST) + float(n) / float(PER_DECADE))
-            v[m.bond_slot + k] = size if side == 0 else -size
-            slope = value(m, m.slope_value[p], v)
+            v[k] = size if side == 0 else -size
+            slope = slope_of(e, mode, d, j, v)
             if math.isfinite(slope):
                 above = above or slope > 0.0
                 below = below or slope < 0.0
-    v[m.bond_slot + k] = kept
+    v[k] = kept
     if above and below:
         return 0.0
-    return -1.0 if below else 1.0
+    return 1.0 if above else -1.0
 
 
-def sign_of_product(mode: Mode, n: int) -> float:
+def slope_of(e: Engine, mode: Mode, d: int, j: int, v: Floats) -> float:
+    """Return the slope of a law by unknown j; if -1, by what it reads, below zero if it resists."""
+    m = e.model
+    total = 0.0
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        law = m.slope_value[p]
+        k = m.slope_column[p]
+        if j < 0 and k != m.dynamic_partner[d]:
+            continue
+        slope = m.slope_constant[p] if law < 0 else value(m, law, v)
+        share = m.dynamic_way[d] if j < 0 else mode.finite_free.at[k * mode.finite_frees + j]
+        total += slope * share if share != 0.0 else 0.0
+    return total
+
+
+def sign_of_product(e: Engine, n: int) -> float:
     """Return the sign of the determinant of the parts chosen; 0 if it is none but for rounding."""
-    b = mode.branch
+    b = e.work.following
     fit(b.product, n * n)
     fit_places(b.pivot, n)
     most = 1.0
@@ -170,9 +189,9 @@ def sign_of_product(mode: Mode, n: int) -> float:
     return 1.0 if total > 0.0 else -1.0
 
 
-def take_next(mode: Mode, n: int) -> None:
+def take_next(e: Engine, n: int) -> None:
     """Choose other parts of rows: the next one in the order of numbers of many digits."""
-    b = mode.branch
+    b = e.work.following
     for i in range(n):
         b.chosen.at[i] += 1
         if b.chosen.at[i] < b.part_from.at[i + 1] - b.part_from.at[i]:

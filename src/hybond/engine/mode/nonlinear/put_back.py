@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
@@ -61,8 +62,7 @@ def put_back(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
                 moved = moved_by_rounding(e, mode, i, v, w) / (ROUNDINGS * UNIT)
                 work.residual_reach.at[i] = min(work.residual_reach.at[i], moved)
     if work.lost > HIDDEN:
-        for k in range(n):
-            work.lost_at[k] = w[k]
+        copy_floats(n, w, work.lost_at)
     if all_hold(e, rows, HOLDS):
         return is_near(e, mode, v, w, rows)
     return mode.rank == mode.structures and is_rounding(e, mode, v, w)
@@ -247,8 +247,7 @@ def is_rounding(e: Engine, mode: Mode, v: Floats, w: Floats) -> bool:
         return False
     fit(work.moved, n)
     fit(work.down, frees)
-    for j in range(frees):
-        work.down.at[j] = work.step.at[j]
+    copy_floats(frees, work.step.at, work.down.at)
     for side in range(2):
         way = 1.0 if side == 0 else -1.0
         for k in range(n):

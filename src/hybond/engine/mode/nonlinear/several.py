@@ -9,21 +9,16 @@ Laws that jump, and those that hide constraints, are not asked: they are as if t
 
 from __future__ import annotations
 
-import math
-
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import copy_part
-from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.method_numbers import MOREAU, QSS1
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.followed_records import MAY, NEVER, UNKNOWN
 from hybond.engine.mode.nonlinear.one_root import (
-    LARGEST,
     MOST,
-    PER_DECADE,
-    SMALLEST,
     has_one_root,
+    sign_by_sizes,
     sign_of_slope,
 )
 from hybond.engine.words import Floats
@@ -56,8 +51,8 @@ def is_single(e: Engine, mode: Mode) -> bool:
     a = mode.apart
     if a.groups == 0:
         return False
-    fit(mode.branch.values, 2 * e.model.slots)
-    v = mode.branch.values.at
+    fit(e.work.following.values, 2 * e.model.slots)
+    v = e.work.following.values.at
     copy_part(2 * e.model.slots, e.v, 0, v, 0)
     for g in range(a.groups):
         begin = a.begins.at[g]
@@ -99,35 +94,11 @@ def keeps_sign(e: Engine, mode: Mode, i: int, j: int, v: Floats) -> bool:
         if share == 0.0 or (j < 0 and k != partner):
             continue
         constant = m.slope_value[p] < 0
-        sign = m.slope_constant[p] if constant else sign_of_slope(e, d, p, v)
+        sign = m.slope_constant[p] if constant else sign_of_slope(e, mode, d, p, v)
         told = told and (constant or sign != 0.0)
         above = above or sign * share > 0.0
         below = below or sign * share < 0.0
     if told and (j < 0 or not (above and below)):
         return j >= 0 or not above
-    above = False
-    below = False
-    for side in range(2):
-        for n in range((LARGEST - SMALLEST) * PER_DECADE + 1):
-            size = math.pow(10.0, float(SMALLEST) + float(n) / float(PER_DECADE))
-            v[m.bond_slot + partner] = size if side == 0 else -size
-            slope = slope_of(e, mode, d, j, v)
-            if math.isfinite(slope):
-                above = above or slope > 0.0
-                below = below or slope < 0.0
-    return not (above and below) if j >= 0 else not above
-
-
-def slope_of(e: Engine, mode: Mode, d: int, j: int, v: Floats) -> float:
-    """Return the slope of a law by unknown j; if -1, by what it reads, below zero if it resists."""
-    m = e.model
-    total = 0.0
-    for p in range(m.slope_first[d], m.slope_first[d + 1]):
-        law = m.slope_value[p]
-        k = m.slope_column[p]
-        if j < 0 and k != m.dynamic_partner[d]:
-            continue
-        slope = m.slope_constant[p] if law < 0 else value(m, law, v)
-        share = m.dynamic_way[d] if j < 0 else mode.finite_free.at[k * mode.finite_frees + j]
-        total += slope * share if share != 0.0 else 0.0
-    return total
+    sign = sign_by_sizes(e, mode, d, j, v)
+    return sign != 0.0 if j >= 0 else sign < 0.0

@@ -12,46 +12,28 @@ from hybond.engine.algebra.blocks import fit_places
 from hybond.engine.engine import Engine
 
 
-def take_single(e: Engine, n: int) -> None:
-    """Let it be that, of n rows of the Jacobian as it stands."""
+def take_single(e: Engine, n: int, sparse: bool) -> None:
+    """Let it be that, of n rows of the Jacobian as it stands, or of terms of sparse factors."""
     work = e.work
-    a = work.jacobian.at
-    know_none(e, n)
-    more = True
-    while more:
-        more = False
-        for i in range(n):
-            alone = -1
-            slope = 1.0
-            for j in range(n):
-                if a[i * n + j] != 0.0 and not is_nothing(e, j):
-                    alone = j if alone == -1 else n
-                    slope = a[i * n + j]
-            more = let_alone(e, n, i, alone, slope) or more
-
-
-def take_single_terms(e: Engine, n: int) -> None:
-    """Do the same by the terms of sparse factors."""
-    f = e.work.newton_factors
-    know_none(e, n)
-    more = True
-    while more:
-        more = False
-        for i in range(n):
-            alone = -1
-            slope = 1.0
-            for p in range(f.begins.at[i], f.begins.at[i + 1]):
-                if not is_nothing(e, f.term_of.at[p]):
-                    alone = f.term_of.at[p] if alone == -1 else n
-                    slope = f.term.at[p]
-            more = let_alone(e, n, i, alone, slope) or more
-
-
-def know_none(e: Engine, n: int) -> None:
-    """Begin with no unknown that a row alone has told."""
-    fit_places(e.work.single, n)
+    f = work.newton_factors
+    fit_places(work.single, n)
     for j in range(n):
-        e.work.single.at[j] = 0
+        work.single.at[j] = 0
+    more = True
+    while more:
+        more = False
+        for i in range(n):
+            alone = -1
+            slope = 1.0
+            begin = f.begins.at[i] if sparse else i * n
+            end = f.begins.at[i + 1] if sparse else begin + n
+            for p in range(begin, end):
+                j = f.term_of.at[p] if sparse else p - begin
+                term = f.term.at[p] if sparse else work.jacobian.at[p]
+                if term != 0.0 and not is_nothing(e, j):
+                    alone = j if alone == -1 else n
+                    slope = term
+            more = let_alone(e, n, i, alone, slope) or more
 
 
 def is_nothing(e: Engine, j: int) -> bool:

@@ -13,7 +13,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work
 from hybond.engine.mode.mode_records import Mode
@@ -127,8 +127,7 @@ def group_steps(
             return True
         halves = many == 1 and step > 0
         halves = halves and math.fabs(2.0 * step_taken - work.trial.at[0]) <= HALVES * update
-        for q in range(many):
-            work.trial.at[q] = work.step.at[q]
+        copy_floats(many, work.step.at, work.trial.at)
         if halves and takes_twice(e, mode, v, r, g, step_taken, left):
             work.trial.at[0] = 2.0 * step_taken
         before = left

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import all_finite
+from hybond.engine.algebra.products import all_finite, copy_part
 from hybond.engine.algebra.sparse_lu import (
     add_term,
     begin_system,
@@ -21,7 +21,7 @@ from hybond.engine.algebra.sparse_lu import (
     solve_transposed,
 )
 from hybond.engine.engine import Engine
-from hybond.engine.mode.nonlinear.single_terms import take_single_terms
+from hybond.engine.mode.nonlinear.single_terms import take_single
 
 MANY: Final = 32
 """Unknowns from which on factors are sparse: of fewer, dense ones are as quick."""
@@ -40,7 +40,7 @@ def sparse_step(e: Engine, n: int) -> bool:
     solve_sparse(work.newton_factors, work.factoring, work.residual.at, work.step.at)
     if not all_finite(n, work.step.at):
         return False
-    take_single_terms(e, n)
+    take_single(e, n, True)
     return True
 
 
@@ -120,5 +120,4 @@ def put_inverse_row(e: Engine, n: int, j: int) -> None:
         work.row.at[i] = 0.0
     work.row.at[j] = 1.0
     solve_transposed(work.newton_factors, work.factoring, work.row.at, work.left_over.at)
-    for i in range(n):
-        work.inverse.at[j * n + i] = work.left_over.at[i]
+    copy_part(n, work.left_over.at, 0, work.inverse.at, j * n)

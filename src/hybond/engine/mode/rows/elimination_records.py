@@ -93,7 +93,6 @@ def make_elimination(unknowns: int, columns: int) -> Elimination:
     e = Elimination()
     e.unknowns = unknowns
     e.columns = columns
-    e.furnished = False
     e.same = ints(unknowns)
     e.solved = ints(unknowns)
     e.order = ints(unknowns)

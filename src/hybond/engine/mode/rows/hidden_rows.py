@@ -5,7 +5,7 @@ from __future__ import annotations
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.rows.elimination import give
-from hybond.engine.mode.rows.storage_bonds import rate_bond
+from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
 
@@ -68,5 +68,4 @@ def add_rates(m: Model, row: Floats, k: int, c: float) -> None:
     for i in range(m.stiff_first[k], m.stiff_first[k + 1]):
         s = m.stiff_other[i]
         at = rate_bond(m, s)
-        way = float(m.storage_sign[s]) if m.storage_kind[s] == 0 else 1.0
-        row[at] += c * m.stiff_constant[i] * way
+        row[at] += c * m.stiff_constant[i] * way_of_rate(m, s)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.model import Model
@@ -142,8 +142,7 @@ def with_stored(e: Engine, x: Floats) -> Floats:
     """Return values to try something with, `x` being stored."""
     m = e.model
     values = e.work.values
-    for k in range(m.storages):
-        values[m.stored_slot + k] = x[k]
+    copy_part(m.storages, x, 0, values, m.stored_slot)
     return values
 
 
