@@ -20,11 +20,12 @@ from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
 from hybond.draw.measure import width
 from hybond.draw.meeting import cut_back, element_of, joint, joints_of, nets_of, port_of
-from hybond.draw.scene import Group, Line, Mark, Scene, Text
+from hybond.draw.scene import Group, Line, Scene, Text
 from hybond.draw.sketch import typeset
 from hybond.draw.symbols import Placed, boxed, placed
 from hybond.draw.wires import End, clear, led
 from hybond.draw.wires import Wire as Wanted
+from hybond.draw.words import shifted
 from hybond.errors import UsageError
 from hybond.model.builder import Model
 from hybond.model.hierarchy import submodel_of
@@ -379,18 +380,9 @@ def _drawing(
     head = 30.0 if title else 0.0
     x0, y0 = min(b.x0 for b in boxes) - MARGIN, min(b.y0 for b in boxes) - MARGIN - head
     x1, y1 = max(b.x1 for b in boxes) + MARGIN, max(b.y1 for b in boxes) + MARGIN
-    moved = [
-        Group(g.name, g.key, g.about, tuple(_moved(m, -x0, -y0) for m in g.marks)) for g in groups
-    ]
+    moved = [*shifted(groups, -x0, -y0)]
     wide = max(x1 - x0, width(title, 13.0, bold=True) + 2 * MARGIN)
     if title:
         text = Text("title", title, MARGIN, MARGIN, "start")
         moved.insert(0, Group("title", "", "", (text,)))
     return Drawing(Scene(wide, y1 - y0, tuple(moved), title), places)
-
-
-def _moved(mark: Mark, dx: float, dy: float) -> Mark:
-    if isinstance(mark, Line):
-        return Line(mark.role, tuple((x + dx, y + dy) for x, y in mark.points))
-    assert isinstance(mark, Text)
-    return Text(mark.role, mark.text, mark.x + dx, mark.y + dy, mark.anchor)

@@ -14,6 +14,7 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.kept_modes import FEWEST, find_kept, keep_mode
 from hybond.engine.mode.mode_records import KEPT
 from hybond.engine.mode.mode_sizes import numbers_of
+from hybond.engine.mode.nonlinear.branch import take_points
 from hybond.engine.tables import answered, tables_of
 from hybond.engine.words import some
 
@@ -87,3 +88,11 @@ def test_what_a_mode_is_counted_as_is_what_its_lists_hold(example):
     assert mode_of(e, list(e.model.start)[: e.model.machines]) == OK
     counted = numbers_of(e.model, e.mode)
     assert counted == pytest.approx(numbers_in(e.mode, set()), rel=0.25)
+
+
+def test_points_of_the_solution_that_is_followed_are_counted():
+    e = engine(2)
+    assert mode_of(e, [0, 0]) == OK
+    many = 5000
+    take_points(e, e.mode, many, [0.0] * many, [0.0] * (many * 2 * e.model.bonds))
+    assert numbers_of(e.model, e.mode) == pytest.approx(numbers_in(e.mode, set()), rel=0.01)

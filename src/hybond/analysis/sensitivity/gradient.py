@@ -24,6 +24,7 @@ from hybond.analysis.sensitivity.collocation import Jump
 from hybond.analysis.sensitivity.goals import EventTime, Final, Goal, Total
 from hybond.analysis.sensitivity.landing import Landing
 from hybond.analysis.sensitivity.opened import Opened, opened_model
+from hybond.analysis.sensitivity.record import place_of
 from hybond.analysis.sensitivity.sensitivities import Varied, check_followed, signal_of
 from hybond.analysis.sensitivity.wanted import slotted
 from hybond.calls import called
@@ -32,7 +33,6 @@ from hybond.model.builder import Model
 from hybond.model.expressions import names
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
-from hybond.names import did_you_mean
 from hybond.result import Result
 from hybond.runs.asked import MethodOptions
 from hybond.simulation import simulate
@@ -74,14 +74,7 @@ class Gradient:
         UsageError
             HB-A523 for a name that was not asked for.
         """
-        if name not in self.wrt:
-            raise UsageError(
-                f"{name!r} was not asked for",
-                code="HB-A523",
-                where="wrt",
-                hint=did_you_mean(name, self.wrt) or ", ".join(self.wrt),
-            )
-        return float(self.by[self.wrt.index(name)])
+        return float(self.by[place_of(name, self.wrt, "wrt")])
 
     def __str__(self) -> str:
         return "\n".join(self._lines())

@@ -96,8 +96,8 @@ class Sensitivities:
             HB-A523 for a name that was not asked for.
         """
         if isinstance(name, tuple):
-            return np.asarray(self[name[0]][:, self._place(name[1], self.wrt, "wrt")])
-        return np.asarray(self.derivatives[:, self._place(name, self.of, "of")])
+            return np.asarray(self[name[0]][:, place_of(name[1], self.wrt, "wrt")])
+        return np.asarray(self.derivatives[:, place_of(name, self.of, "of")])
 
     def at(self, t: float, name: str, by: str) -> float:
         """Return one derivative at a time that was asked for; at a switch after it.
@@ -146,7 +146,7 @@ class Sensitivities:
         NumericsError
             HB-A524 if the instant has no derivative.
         """
-        place = self._place(by, self.wrt, "wrt")
+        place = place_of(by, self.wrt, "wrt")
         for found in self.events:
             if found.event == event and found.by is not None:
                 return float(found.by[place])
@@ -169,21 +169,10 @@ class Sensitivities:
             hint="end the run before, or take other values",
         )
 
-    @staticmethod
-    def _place(name: str, known: Sequence[str], where: str) -> int:
-        if name not in known:
-            raise UsageError(
-                f"{name!r} was not asked for",
-                code="HB-A523",
-                where=where,
-                hint=did_you_mean(name, known) or ", ".join(known),
-            )
-        return known.index(name)
-
     def unit(self, name: str, by: str) -> str:
         """Return the unit of a derivative, SI."""
-        over = self.units[self._place(by, self.wrt, "wrt")]
-        return unit_over(self.of_units[self._place(name, self.of, "of")], over)
+        over = self.units[place_of(by, self.wrt, "wrt")]
+        return unit_over(self.of_units[place_of(name, self.of, "of")], over)
 
     def plot(self, *names: str, path: str | Path | None = None) -> Figure:
         """Plot signals' derivatives, each times its parameter: what a change by a part makes.
@@ -198,7 +187,7 @@ class Sensitivities:
         from hybond.draw.variation_plots import plot_sensitivities
 
         for name in names:
-            self._place(name, self.of, "of")
+            place_of(name, self.of, "of")
         figure: Figure = plot_sensitivities(self, names or self.of, path=path)
         return figure
 
@@ -226,3 +215,21 @@ class Sensitivities:
         if self.ends is not None:
             yield f"no derivatives from {self.ends:.9g} s on: {self.why}"
         yield from self.notes
+
+
+def place_of(name: str, known: Sequence[str], where: str) -> int:
+    """Return where a name is among those that were asked for.
+
+    Raises
+    ------
+    UsageError
+        HB-A523.
+    """
+    if name not in known:
+        raise UsageError(
+            f"{name!r} was not asked for",
+            code="HB-A523",
+            where=where,
+            hint=did_you_mean(name, known) or ", ".join(known),
+        )
+    return known.index(name)

@@ -159,7 +159,7 @@ class Signals:
         first = np.flatnonzero(begins_of(which))
         asked = which[first]
         ends = np.append(first[1:], len(t))
-        along = []
+        along, apart = [], []
         for block, places, numbers in segments.origins(asked):
             alone = np.zeros(len(places), dtype=bool)
             if isinstance(block, Block):
@@ -167,14 +167,10 @@ class Signals:
                 if alone.any():
                     of_block = numbers[alone], places[alone]
                     along.append(Along.of(block, *of_block, first, ends, t))
-            for place in places[~alone].tolist():
-                some = slice(int(first[place]), int(ends[place]))
-                segment = segments[int(asked[place])]
-                for row, values in zip(found, self.of(segment, expressions, t[some])):
-                    row[some] = values
+            apart += places[~alone].tolist()
         for some_along in along:
             self._read_along(some_along, t, expressions, found)
-        for place in [p for a in along for p in a.resting]:
+        for place in [*apart, *(p for a in along for p in a.resting)]:
             some = slice(int(first[place]), int(ends[place]))
             segment = segments[int(asked[place])]
             for row, values in zip(found, self.of(segment, expressions, t[some])):

@@ -46,7 +46,6 @@ def put_laws(t: ModelTables) -> None:
     for option in OPTIONS:
         _put_option(t, option, [law for _, law in laws])
     _put_gaps(t, [law for _, law in laws])
-    _put_gates(t, [law for _, law in laws])
     _put_pairs(t, [law for _, law in laws])
     _put_slopes(t, [law for _, law in laws])
     _put_disks(t, [law for _, law in laws])
@@ -65,32 +64,27 @@ def _put_option(t: ModelTables, option: str, laws: list[JunctionLaw]) -> None:
 
 
 def _put_gaps(t: ModelTables, laws: list[JunctionLaw]) -> None:
-    """Put how fast gaps open, and gaps among the pairs: their rounding is that of their terms."""
+    """Put how fast gaps open; gaps and gates among the pairs: their rounding is of their terms."""
     # a constant gap says that the sides touch at all times, or never
     moving = [None if law.gap is None or not names(law.gap) else law.gap for law in laws]
     rates = [None if e is None else t.values.entry(partial_time(e, t.graph)) for e in moving]
     t.ints["port_gap_rate"] = [NONE if rate is None else rate[0] for rate in rates]
     t.floats["port_gap_rate_constant"] = [0.0 if rate is None else rate[1] for rate in rates]
-    pairs = []
-    for law in laws:
-        if law.gap is None or isinstance(law.gap, Number):
-            pairs.append(-1)
-            continue
-        pairs.append(len(t.pairs))
-        t.pairs.append(law.gap)
-    t.ints["port_gap_pair"] = pairs
+    t.ints["port_gap_pair"] = _paired(t, [law.gap for law in laws])
+    # what gates compare has rounding, as in the rules of their law
+    t.ints["port_gate_pair"] = _paired(t, [law.gate for law in laws])
 
 
-def _put_gates(t: ModelTables, laws: list[JunctionLaw]) -> None:
-    """Put gates among the pairs: what they compare has rounding, as in the rules of their law."""
-    pairs = []
-    for law in laws:
-        if law.gate is None or isinstance(law.gate, Number):
-            pairs.append(-1)
+def _paired(t: ModelTables, said: list[Expr | None]) -> list[int]:
+    """Put what is no number among the pairs; return where each of them is."""
+    places = []
+    for e in said:
+        if e is None or isinstance(e, Number):
+            places.append(-1)
             continue
-        pairs.append(len(t.pairs))
-        t.pairs.append(law.gate)
-    t.ints["port_gate_pair"] = pairs
+        places.append(len(t.pairs))
+        t.pairs.append(e)
+    return places
 
 
 def _column(g: FlatGraph, name: str) -> int:
