@@ -15,7 +15,7 @@ from hybond.errors import HybondError, ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.dimensions import Loose
-from hybond.model.expressions import Name, names, parse
+from hybond.model.expressions import Expr, Name, names, parse
 from hybond.model.expressions.slots import Slots
 from hybond.model.flat_pieces import with_flat_pieces
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
@@ -161,7 +161,7 @@ def _flatten(
         indeterminate=model.indeterminate,
         pins=pins_of(opened, resolver),
         reference=reference_of(opened, machines),
-        read=lambda text: resolver.resolve(parse(text, where=text), root, text),
+        read=lambda text: _read(text, resolver, root, dimensions),
         condition=lambda text: (
             rule_of(text, resolver, root, text, dimensions),
             tuple(resolver.watches),
@@ -172,6 +172,15 @@ def _flatten(
     check_readers(graph)
     check_energies(graph)
     return with_flat_pieces(fieldless.checked(graph))
+
+
+def _read(
+    text: str, resolver: Resolver, root: Scope, dimensions: dict[str, Dimension | None]
+) -> Expr:
+    """Return what somebody asks a model for, as its own signals are read: units have to fit."""
+    tree = resolver.resolve(parse(text, where=text), root, text)
+    resolver.dimension(tree, dimensions, text)
+    return tree
 
 
 def _experiment(model: Model, root: Scope) -> dict[str, Any]:
