@@ -12,10 +12,10 @@ from collections.abc import Mapping
 from numbers import Real
 from typing import Any, Literal, get_args
 
-from hybond.errors import UsageError
+from hybond.errors import UnitError, UsageError
 from hybond.names import did_you_mean
 from hybond.records import dataclass
-from hybond.units import parse_unit, try_quantity
+from hybond.units import parse_quantity, parse_unit, try_quantity
 
 Choice = Literal["filippov", "hysteresis", "refuse"]
 Impact = Literal["newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"]
@@ -319,12 +319,16 @@ def seconds(value: Any, where: str) -> float:
     """
     if isinstance(value, Real):
         return float(value)
-    quantity = try_quantity(str(value))
-    if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
-        raise UsageError(
-            f"{value!r} is not a time", code="HB-S106", where=where, hint="write 0.2 or '200 ms'"
-        )
-    return quantity.value
+    hint = "write 0.2 or '200 ms'"
+    try:
+        quantity = parse_quantity(str(value))
+    except UnitError as error:
+        if error.code != "HB-U104" and error.hint:  # it has a unit, and is not known
+            hint = error.hint
+    else:
+        if quantity.dimension in (parse_unit("s")[1], parse_unit("1")[1]):
+            return quantity.value
+    raise UsageError(f"{value!r} is not a time", code="HB-S106", where=where, hint=hint)
 
 
 def seconds_of(value: Any, where: str) -> float | None:

@@ -113,7 +113,17 @@ _MEANT = {
     **{"henry": "H", "henrie": "H", "newton": "N", "pascal": "Pa", "joule": "J", "watt": "W"},
     **{"meter": "m", "metre": "m", "second": "s", "sec": "s", "msec": "ms", "usec": "us"},
     **{"kilogram": "kg", "kilo": "kg", "gramm": "g", "hour": "h", "minute": "min", "hr": "h"},
-    **{"hertz": "Hz", "radian": "rad", "degree": "deg", "kelvin": "K", "liter": "L", "litre": "L"},
+    **{
+        "pound": "lb",
+        "feet": "ft",
+        "in": "inch",
+        "hertz": "Hz",
+        "radian": "rad",
+        "degree": "deg",
+        "kelvin": "K",
+        "liter": "L",
+        "litre": "L",
+    },
     **{
         "nm": "N*m",
         "nms": "N*m*s",
@@ -122,10 +132,22 @@ _MEANT = {
         "vs": "V*s",
         "as": "A*s",
         "rps": "rev/s",
+        "cfm": "ft^3/min",
     },
     **{"coulomb": "C", "tesla": "T", "weber": "Wb", "siemen": "S", "millisecond": "ms"},
 }
 """What words mean that are no units."""
+_SEVERAL = {
+    **dict.fromkeys(("hp", "horsepower"), "1 hp is 745.7 W (mechanical) or 735.49875 W (metric)"),
+    **dict.fromkeys(("cal", "calorie"), "1 cal is 4.184 J or 4.1868 J"),
+    **{"kcal": "1 kcal is 4184 J or 4186.8 J", "btu": "1 BTU is 1055.056 J"},
+    **dict.fromkeys(("gal", "gallon"), "1 gal is 3.785411784 L (US) or 4.54609 L (imperial)"),
+    **{"gpm": "1 gpm is 3.785411784 L/min (US)", "lpm": "write L/min", "ccm": "write cm^3"},
+    **dict.fromkeys(("psia", "psig", "barg"), "write psi or bar: whether it is gauge is yours"),
+    **dict.fromkeys(("year", "yr", "month"), "a year has 365 or 365.25 day"),
+    **{"va": "write W", "var": "write W", "rot": "write rev"},
+}
+"""What to write for words that mean several units, or none."""
 
 
 def _solved(units: _Units, symbol: str) -> _Unit:
@@ -152,6 +174,7 @@ def _resolve(symbol: str) -> _Unit:
     meant = _MEANT.get(symbol.lower()) or _MEANT.get(one.lower())
     meant = meant or (one if len(one) > 1 and one in known else None)
     hint = f"did you mean {meant!r}?" if meant else did_you_mean(symbol, known)
+    hint = _SEVERAL.get(symbol.lower()) or _SEVERAL.get(one.lower()) or hint
     raise UnitError(f"unknown unit {symbol[:40]!r}", code="HB-U101", hint=hint)
 
 
@@ -307,6 +330,10 @@ _define(_PREFIXED, "Hz,1,1/s;N,1,kg*m/s^2;Pa,1,N/m^2;J,1,N*m;W,1,J/s;C,1,A*s;V,1
 _define(_PREFIXED, "ohm Ω Ω,1,V/A;S,1,A/V;Wb,1,V*s;T,1,Wb/m^2;H,1,Wb/A;L l,1/1000,m^3")
 _define(_PREFIXED, "bar,100000,Pa;eV,1.602176634e-19,J;Wh,3600,J;Ah,3600,C;gram,1/1000,kg")
 _define(_PLAIN, "min,60,s;h,3600,s;t tonne,1000,kg;atm,101325,Pa;%,1/100,1")
+_define(_PLAIN, "day days,86400,s;week,7,day;inch,0.0254,m;ft foot,12,inch;yd,3,ft;mile,1760,yd")
+_define(_PLAIN, "nmi,1852,m;knot,1,nmi/h;mph,1,mile/h;lb lbm,0.45359237,kg;lbf,9.80665,lb*m/s^2")
+_define(_PLAIN, "kgf kp,9.80665,N;psi,1,lbf/inch^2;torr Torr,1/760,atm;mmHg,133.322387415,Pa")
+_define(_PLAIN, "ppm,1/1000000,1")
 _TURN = 2 * Fraction(math.pi)
 _define(_PLAIN, f"rev,{_TURN},1;rpm,{_TURN / 60},1/s;deg °,{_TURN / 360},1")
 
