@@ -139,3 +139,36 @@ def test_a_number_with_a_unit_says_that_of_the_sum() -> None:
     m = drive(s=hb.Integral("4*w.f"), z="s + 1 [A]", turned="s + 1 [rad]", u="0")
     run = hb.simulate(m, 1.0)
     assert (run["z"].unit, run["turned"].unit) == ("A", "rad")
+
+
+@pytest.mark.parametrize("bond", ["n -> C", "C -> n"])
+@pytest.mark.parametrize(
+    ("value", "named"),
+    [
+        ("R.f + C.q", "'R.f' in A and 'C.q' in C"),
+        ("n.f + C.e", "'n.f' in A and 'C.e' in V"),
+        ("pace + C.e", "'pace' in V*s"),
+        ("flows + C.e", "'flows' in A and 'C.e' in V"),
+    ],
+)
+def test_what_does_not_add_up_is_named_as_it_was_written(value: str, named: str, bond: str) -> None:
+    m = hb.Model("m", domain="electrical")
+    m.add(V=hb.Se("10 V"), R=hb.R("1 ohm"), C=hb.C("1 F"), D=hb.Se(value), n=hb.One())
+    m.bond("V -> n -> R", bond, "D -> n")
+    m.signal(pace=hb.Integral("R.e"), flows="R.f")
+    with pytest.raises(hb.UnitError) as refused:
+        m.flatten()
+    assert refused.value.where == "elements.D.Se"
+    assert named in refused.value.why
+    assert ":" not in refused.value.why
+
+
+@pytest.mark.parametrize("name", ["V.e - R.f", "-(R.f - V.e)", "max(C.q, R.f)", "pre(R.e) + R.f"])
+def test_a_run_is_not_asked_for_what_does_not_add_up(name: str) -> None:
+    m = hb.Model("m", domain="electrical")
+    m.add(V=hb.Se("10 V"), R=hb.R("1 ohm"), C=hb.C("1 F"), n=hb.One())
+    m.bond("V -> n -> R", "n -> C")
+    run = hb.simulate(m, 1.0)
+    with pytest.raises(hb.UnitError, match="HB-U102"):
+        run[name]
+    assert run["V.e - R.e - C.e"].at(1.0) == pytest.approx(0.0, abs=1e-12)
