@@ -26,7 +26,7 @@ from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
 from hybond.model.located import locate
 from hybond.model.machines import machines_of, rule_of, switched_by, with_laws_of_junctions
-from hybond.model.misfits import units_of
+from hybond.model.misfits import of_a_given_parameter, units_of
 from hybond.model.one_energy import check_energies
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import Value
@@ -67,6 +67,8 @@ def flatten(model: Model, overrides: Mapping[str, Value], slots: Slots | None = 
     except HybondError as error:
         if error.code == "HB-M107" and error.where in overrides:
             error.hint = settable_like(model, error.where)
+        if isinstance(error, UnitError):
+            error = of_a_given_parameter(error, changed, left)
         raise locate(error, changed, overrides) from None
 
 
