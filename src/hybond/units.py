@@ -61,6 +61,38 @@ def _whole(n: int | Fraction) -> int | Fraction:
     return n.numerator if n.denominator == 1 else n
 
 
+class Worded(Dimension):
+    """A dimension in the words in which a value of it was given: a torque in N*m is no energy.
+
+    It is equal to the dimension without them; products of it have none.
+
+    Examples
+    --------
+    >>> torque = parse_quantity("3 kN*m").dimension
+    >>> print(torque, torque * torque, torque == parse_unit("J")[1])
+    N*m kg^2*m^4/s^4 True
+    """
+
+    __slots__ = ("word",)
+    word: str
+
+    def __init__(self, exponents: tuple[Fraction | int, ...], word: str) -> None:
+        super().__init__(exponents)
+        object.__setattr__(self, "word", word)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Dimension) and self.exponents == other.exponents
+
+    def __hash__(self) -> int:
+        return hash(Dimension(self.exponents))
+
+    def __str__(self) -> str:
+        return self.word
+
+    def __reduce__(self) -> tuple[type[Worded], tuple[object, ...]]:
+        return Worded, (self.exponents, self.word)
+
+
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """A value in SI units and its dimension."""
@@ -280,7 +312,53 @@ def parse_quantity(text: str) -> Quantity:
     if match is None:
         raise _bad(text, "does not begin with a number")
     unit = text[match.end() :].strip()
-    return Quantity(*_scaled(match[1], unit[1:-1] if re.fullmatch(r"\[.*\]", unit) else unit))
+    unit = unit[1:-1] if re.fullmatch(r"\[.*\]", unit) else unit
+    value, dimension = _scaled(match[1], unit)
+    return Quantity(value, _worded(unit, dimension))
+
+
+_SHARED = {"J": "N", "1/s": "rad|Hz", "1": "rad"}
+"""Dimensions of several kinds of quantity by their symbols, each with a unit that tells which."""
+
+
+@lru_cache(1024)
+def _worded(unit: str, dimension: Dimension) -> Dimension:
+    """Return a dimension in the words of a unit, where its own symbol is none or another's."""
+    symbol = _symbols().get(dimension)
+    if symbol is not None and symbol not in _SHARED:
+        return dimension
+    word = _in_si(unit)
+    told = symbol is None or re.search(rf"\b({_SHARED[symbol]})\b", word)
+    if not told or word == symbol:
+        return dimension
+    try:
+        same = parse_unit(word)[1] == dimension
+    except UnitError:
+        same = False  # what stands for it in SI has a power of a power
+    return Worded(dimension.exponents, word) if same else dimension
+
+
+def _in_si(unit: str) -> str:
+    """Return a unit with each symbol in SI: ``kN*cm`` as ``N*m``."""
+    plain = re.sub("[⁻⁰¹²³⁴-⁹]+", lambda m: "^" + m[0].translate(_SUPERSCRIPT), unit)
+    plain = re.sub(r"\s+", "", plain).replace("**", "^").replace("·", "*")
+    word = re.sub(r"°?[^\W\d_]+|[%°]", lambda m: f"({_symbol_in_si(m[0])})", plain)
+    word = re.sub(r"\(([^\W\d_]+|1)\)", r"\1", word)
+    word = re.sub(r"\(([^\W\d_]+\^\d)\)(?!\^)", r"\1", word)
+    return word[1:-1] if re.fullmatch(r"\([^()]*\)", word) else word
+
+
+def _symbol_in_si(symbol: str) -> str:
+    for cut in (0, 2, 1):  # a name of its own before one with a prefix, as where it is resolved
+        head, rest = symbol[:cut], symbol[cut:]
+        if (cut == 0 and rest in _PLAIN) or ((not head or head in _PREFIX) and rest in _PREFIXED):
+            break
+    if rest in ("rev", "deg", "°"):
+        return "rad"
+    if rest == "rpm":
+        return "rad/s"
+    number, dimension = _resolve(rest)
+    return rest if number == 1 else str(dimension)
 
 
 def try_quantity(text: str) -> Quantity | None:

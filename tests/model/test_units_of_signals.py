@@ -50,11 +50,12 @@ def test_some_times_a_torque_is_a_torque_and_its_work_is_none(text: str, unit: s
 @pytest.mark.parametrize(
     ("given", "kind", "law", "unit"),
     [
-        ("2 N*m", "Se", "u", "N*m"),
-        ("2 N*m", "Se", "-2*u + brake", "N*m"),
-        ("2 N*m", "Se", "if time < 1 then u else brake", "N*m"),
-        ("3 rad/s", "Sf", "u", "rad/s"),
-        ("2 N*m", "Se", "u*w.f/(1 [rad/s])", "J"),
+        ("2 J", "Se", "u", "N*m"),
+        ("2 J", "Se", "-2*u + brake", "N*m"),
+        ("2 J", "Se", "if time < 1 then u else brake", "N*m"),
+        ("3 [1/s]", "Sf", "u", "rad/s"),
+        ("2 J", "Se", "u*w.f/(1 [rad/s])", "J"),
+        ("2 N*m", "Se", "u*w.f/(1 [rad/s])", "N*m"),
     ],
 )
 def test_an_input_is_what_the_source_gives_that_it_drives(
@@ -172,3 +173,29 @@ def test_a_run_is_not_asked_for_what_does_not_add_up(name: str) -> None:
     with pytest.raises(hb.UnitError, match="HB-U102"):
         run[name]
     assert run["V.e - R.e - C.e"].at(1.0) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "asked", "unit"),
+    [
+        ("60 kN*cm", "T", "N*m"),
+        ("60 kN*cm", "-2*T + w.e", "N*m"),
+        ("60 J", "T", "J"),
+        ("300 rpm", "T", "rad/s"),
+        ("50 Hz", "T", "Hz"),
+        ("1 bar/(L/min)^2", "T", "Pa/(m^3/s)^2"),
+        ("1 bar/(L/min)^2", "max(T, 2*T)", "Pa/(m^3/s)^2"),
+        ("20 N*m/rad", "T", "N*m/rad"),
+        ("2 kohm", "T", "ohm"),
+        ("2 V/A", "T", "ohm"),
+        ("60 N*m", "T*T", "kg^2*m^4/s^4"),
+    ],
+)
+def test_what_is_made_of_a_parameter_has_the_unit_that_it_was_given_in(
+    given: str, asked: str, unit: str
+) -> None:
+    m = hb.Model("shaft", domain="rotational", parameters={"T": given})
+    m.add(drive=hb.Se("1 N*m"), w=hb.Zero(), r=hb.R("1 N*m*s"))
+    m.bond("drive -> w -> r")
+    m.signal(asked=asked)
+    assert hb.simulate(m, until="1 s")["asked"].unit == unit

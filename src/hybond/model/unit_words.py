@@ -1,8 +1,9 @@
 """The unit of a signal in the words of its domain: a torque is in N*m, not in J.
 
-Dimensions do not tell torque from energy or an angle from a number. A bond does, and what is added
-to a torque, or is the larger of two, or a number of times a torque, is a torque as well. An input
-is what the sources give that it drives, and what it is added to or compared with.
+Dimensions do not tell torque from energy or an angle from a number. A bond does, and a value that
+was given in N*m; what is added to a torque, or is the larger of two, or a number of times a torque,
+is a torque as well. An input is what the sources give that it drives, and what it is added to or
+compared with.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from hybond.model.expressions import Expr, Name
 from hybond.model.expressions.tree import Binary, Call, Compare, If, Neg, Number, Pre, walk
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import SOURCES
-from hybond.units import DIMENSIONLESS, parse_unit
+from hybond.units import DIMENSIONLESS, Worded, parse_unit
 
 _KEEP = ("abs", "min", "max", "hypot")
 """Functions whose value is of the kind of their arguments."""
@@ -46,6 +47,8 @@ def _word(e: Expr, graph: FlatGraph, within: frozenset[int]) -> str | None:
     that reads itself says nothing.
     """
     match e:
+        case Number(_, Worded(word=word)):
+            return word
         case Number(_, dimension):
             return None if dimension in (None, DIMENSIONLESS) else ""
         case Name(path):
