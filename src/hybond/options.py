@@ -328,6 +328,8 @@ def seconds(value: Any, where: str) -> float:
     else:
         if quantity.dimension in (parse_unit("s")[1], parse_unit("1")[1]):
             return quantity.value
+        if quantity.dimension == parse_unit("m")[1] and str(value).rstrip().endswith("m"):
+            hint = "minutes are written '5 min'"
     raise UsageError(f"{value!r} is not a time", code="HB-S106", where=where, hint=hint)
 
 

@@ -182,6 +182,13 @@ _SEVERAL = {
 """What to write for words that mean several units, or none."""
 
 
+_CELSIUS = (Fraction("273.15"), Fraction(1))
+_FAHRENHEIT = (Fraction("459.67") * 5 / 9, Fraction(5, 9))
+_OFFSET = dict.fromkeys(("degC", "°C", "℃", "celsius", "Celsius"), _CELSIUS)
+_OFFSET |= dict.fromkeys(("degF", "°F"), _FAHRENHEIT)
+"""Scales of temperature: where their zero is, and how large a degree is, K."""
+
+
 def _solved(units: _Units, symbol: str) -> _Unit:
     number, unit = units[symbol]
     if isinstance(number, Fraction) and isinstance(unit, Dimension):
@@ -198,7 +205,7 @@ def _resolve(symbol: str) -> _Unit:
         if symbol[:cut] in _PREFIX and symbol[cut:] in _PREFIXED:
             factor, dimension = _solved(_PREFIXED, symbol[cut:])
             return _PREFIX[symbol[:cut]] * factor, dimension
-    if symbol in ("degC", "°C", "℃", "celsius", "Celsius", "degF", "°F"):
+    if symbol in _OFFSET:
         why = f"{symbol!r} has an offset and is not a unit"
         raise UnitError(why, code="HB-U105", hint="write kelvin: 20 degC is 293.15 K")
     known = [*_PLAIN, *_PREFIXED, *(p + u for p in "kmMuc" for u in _PREFIXED)]
@@ -313,8 +320,28 @@ def parse_quantity(text: str) -> Quantity:
         raise _bad(text, "does not begin with a number")
     unit = text[match.end() :].strip()
     unit = unit[1:-1] if re.fullmatch(r"\[.*\]", unit) else unit
-    value, dimension = _scaled(match[1], unit)
+    try:
+        value, dimension = _scaled(match[1], unit)
+    except UnitError as error:
+        if error.code == "HB-U105":
+            error.hint = _in_kelvin(match[1], unit) or error.hint
+        raise
     return Quantity(value, _worded(unit, dimension))
+
+
+def _in_kelvin(number: str, unit: str) -> str:
+    """Return what a temperature, or a difference of temperatures, is in kelvin.
+
+    Examples
+    --------
+    >>> _in_kelvin("20", "degC"), _in_kelvin("32", "°F")
+    ('20 degC is 293.15 K, as a difference 20 K', '32 °F is 273.15 K, as a difference 17.7778 K')
+    """
+    if unit not in _OFFSET:
+        return ""
+    zero, size = _OFFSET[unit]
+    at, many = float(Fraction(number) * size + zero), float(Fraction(number) * size)
+    return f"{number} {unit} is {at:.9g} K, as a difference {many:.6g} K"
 
 
 _SHARED = {"J": "N", "1/s": "rad|Hz", "1": "rad"}

@@ -16,8 +16,13 @@ COLOUR = "#a05000"
 
 def doubted_from(result: Any) -> float | None:
     """Return when a law was first seen not to hold, s; None of a run in which all do."""
-    found = getattr(result.trace, "unsound", ())
-    return min((float(v.t) for v in found), default=None)
+    return min((float(v.t) for v in _seen(result)), default=None)
+
+
+def _seen(result: Any) -> Sequence[Any]:
+    # what is no run of its own, but is plotted like one, has no trace
+    found: Sequence[Any] = getattr(getattr(result, "trace", None), "unsound", ())
+    return found
 
 
 def doubt(result: Any) -> str:
@@ -34,7 +39,7 @@ def doubt(result: Any) -> str:
     if start is None:
         return ""
     factor, unit = time_scale(result.t_end)
-    place = next(v.place for v in result.trace.unsound if float(v.t) == start)
+    place = next(v.place for v in _seen(result) if float(v.t) == start)
     shown = f"the laws do not hold from t = {start * factor:.6g} {unit} on"
     return f"{shown}{f' ({place})' * bool(place)}: values there are wrong"
 

@@ -370,6 +370,8 @@ class _Parser:
             if unit is None:
                 self.fail(error.why, token.at, hint=error.hint)
             if token.unit is None:
+                if error.code == "HB-U105":
+                    self.fail(error.why, token.at, code="HB-E102", hint=error.hint)
                 hint = "" if error.code == "HB-U104" else error.hint
                 self.not_a_unit(token, following, hint)
             at = self.text.index("[", token.at)
