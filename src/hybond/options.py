@@ -8,6 +8,7 @@ records, `hybond.runs.asked` what fits together.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from numbers import Real
 from typing import Any, Literal, get_args
@@ -319,18 +320,30 @@ def seconds(value: Any, where: str) -> float:
     """
     if isinstance(value, Real):
         return float(value)
+    text = str(value).strip()
     hint = "write 0.2 or '200 ms'"
     try:
-        quantity = parse_quantity(str(value))
-    except UnitError as error:
-        if error.code != "HB-U104" and error.hint:  # it has a unit, and is not known
-            hint = error.hint
-    else:
+        quantity = parse_quantity(text)
         if quantity.dimension in (parse_unit("s")[1], parse_unit("1")[1]):
             return quantity.value
-        if quantity.dimension == parse_unit("m")[1] and str(value).rstrip().endswith("m"):
-            hint = "minutes are written '5 min'"
+        if quantity.dimension == parse_unit("m")[1] and text.endswith("m"):
+            hint = f"write '{text}s' or '{text}in'"
+    except UnitError as error:
+        hint = _meant(text, error) or hint
     raise UsageError(f"{value!r} is not a time", code="HB-S106", where=where, hint=hint)
+
+
+def _meant(text: str, error: UnitError) -> str:
+    """Return a remedy for what has a unit that is none: '5u', '2 dayz', '1 year'."""
+    given = try_quantity(f"{text}s")
+    if given is not None and given.dimension == parse_unit("s")[1]:
+        return f"write '{text}s'"
+    named = re.findall("'([^']*)'", error.hint)
+    units = [try_quantity(f"1 {name}") for name in named]
+    if error.code != "HB-U101" or error.hint.startswith("known"):
+        return ""
+    times = all(u is not None and u.dimension == parse_unit("s")[1] for u in units)
+    return error.hint if times else ""
 
 
 def seconds_of(value: Any, where: str) -> float | None:
