@@ -199,3 +199,17 @@ def test_what_is_made_of_a_parameter_has_the_unit_that_it_was_given_in(
     m.bond("drive -> w -> r")
     m.signal(asked=asked)
     assert hb.simulate(m, until="1 s")["asked"].unit == unit
+
+
+@pytest.mark.parametrize("bond", ["u -> w", "w -> u"])
+@pytest.mark.parametrize(
+    ("law", "unit"),
+    [("T", "N*m"), ("-T", "N*m"), ("T + 1 [N*m]", "N*m"), ("2*T", "J"), ("T*(1 + w.f/(1 [rad/s]))", "J")],
+)
+def test_what_a_controller_gives_to_a_drive_is_a_torque(law: str, unit: str, bond: str) -> None:
+    m = hb.Model("drive", domain="rotational", parameters={"K": "2 N*m*s", "set": "100 rpm"})
+    m.add(J=hb.I("1 kg*m^2"), b=hb.R("0.1 N*m*s"), u=hb.Se(law), w=hb.One())
+    m.bond(bond, "w -> J", "w -> b")
+    m.signal(err="set - w.f", T="K*err")
+    run = hb.simulate(m, 0.1)
+    assert (run["T"].unit, run["err"].unit) == (unit, "rad/s")

@@ -59,6 +59,8 @@ def _remedy(wanted: str, found: Sequence[str], domains: Sequence[str]) -> str:
     if found:
         return f"did you mean {', '.join(map(repr, found[:3]))}?"
     near = did_you_mean(wanted, [*names(), *domains])
+    if not near.startswith("did"):  # the name without its shelf
+        near = did_you_mean(wanted, sorted({n.partition(".")[2] for n in names()}))
     return near if near.startswith("did") else "hybond library lists them all"
 
 
