@@ -237,3 +237,29 @@ def test_a_parenthesis_has_a_power(text: str, same: str) -> None:
 def test_powers_of_parentheses_that_are_refused(text: str) -> None:
     with pytest.raises(UnitError, match="HB-U104"):
         parse_unit(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "unit"),
+    [
+        ("2 days", 172800.0, "s"),
+        ("1 psi", 4.4482216152605 / 0.0254**2, "Pa"),  # a pound-force on a square inch
+        ("1 inch*mmHg/mm", 25.4 * 133.322387415, "Pa"),
+        ("1 ft*lbf", 0.3048 * 4.4482216152605, "J"),
+        ("60 mph", 26.8224, "m/s"),
+        ("760 torr", 101325.0, "Pa"),
+        ("1 knot", 1852 / 3600, "m/s"),
+    ],
+)
+def test_units_of_other_systems_have_their_exact_factors(text, value, unit):
+    found = parse_quantity(text)
+    assert found.value == pytest.approx(value, rel=1e-15)
+    assert found.dimension == parse_unit(unit)[1]
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"), [("hp", "745.7 W"), ("cal", "4.184 J"), ("gal", "L (US)"), ("feet", "'ft'")]
+)
+def test_a_word_for_several_units_is_refused_with_their_factors(unit, said):
+    with pytest.raises(UnitError, match=re.escape(said)):
+        parse_unit(unit)

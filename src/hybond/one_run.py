@@ -10,12 +10,12 @@ from typing import Any, TypeVar
 from hybond.blocks.runners import Runner
 from hybond.engine.outcome.beginnings import Beginning, beginning_by_name, beginning_of
 from hybond.engine.outcome.engine_run import EngineRun
-from hybond.engine.outcome.engines import EngineChoice, Prepared, prepared
+from hybond.engine.outcome.engines import EngineChoice, Prepared, choose_engine, prepared
 from hybond.engine.outcome.journal import EventFile
 from hybond.engine.outcome.outgrown import outgrown
 from hybond.engine.outcome.steps_run import StepsRun
 from hybond.engine.outcome.unsound import unsound_refusal
-from hybond.engine.tables.options import Settings
+from hybond.engine.tables.options import Settings, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.given import check_model
@@ -23,13 +23,16 @@ from hybond.model.graph import FlatGraph
 from hybond.model.kept import kept_graph
 from hybond.options import STEPPING
 from hybond.result import Result, Status
-from hybond.runs.ends import ended
+from hybond.runs.asked import chosen
+from hybond.runs.ends import ended, ends_of
 from hybond.runs.states import State, load_state
 from hybond.runs.times import check_instants, time_in
 from hybond.uncollected import uncollected
 
 Start = Result | State | Mapping[str, Any] | str | os.PathLike[str] | None
 """Where a run may begin."""
+_WANTED_BY = {"step": "solver", "theta": "solver", "hysteresis": "sliding"}
+"""Options that another one cannot do without."""
 
 
 @uncollected
@@ -106,11 +109,38 @@ def begun(
 
 def of_experiment(error: UsageError, graph: FlatGraph, asked: Mapping[str, Any]) -> UsageError:
     """Return a refusal that says where the model asks for what is refused, unless the call does."""
-    if graph.locate is not None and asked.get(error.where) is None:
-        if error.where in graph.experiment:
+    name = error.where.partition(".")[0]
+    if graph.locate is not None and asked.get(name) is None:
+        wants = _WANTED_BY.get(name, "")
+        if name in graph.experiment:
             error.where = f"experiment.{error.where}"
+        elif wants in graph.experiment and asked.get(wants) is None:
+            error.where = f"experiment.{wants}"
         graph.locate(error)
     return error
+
+
+def check_run(graph: FlatGraph) -> None:
+    """Refuse what a run of which nothing else is asked would refuse before it begins.
+
+    An experiment without an end is fine: who runs it gives one.
+
+    Raises
+    ------
+    UsageError
+        As `hybond.simulate`, with the place in the experiment.
+    """
+    experiment = graph.experiment
+    try:
+        ends = ends_of(None, experiment)
+        if ends.time is None:
+            chosen({}, experiment)
+            return
+        settings = settings_of(experiment, ends.time)[0]
+        if "start" in experiment and "script" not in experiment:
+            begun(experiment["start"], graph, settings, choose_engine(None))
+    except UsageError as error:
+        raise of_experiment(error, graph, {}) from None
 
 
 @uncollected

@@ -8,14 +8,15 @@ records, `hybond.runs.asked` what fits together.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from numbers import Real
 from typing import Any, Literal, get_args
 
-from hybond.errors import UsageError
+from hybond.errors import UnitError, UsageError
 from hybond.names import did_you_mean
 from hybond.records import dataclass
-from hybond.units import parse_unit, try_quantity
+from hybond.units import parse_quantity, parse_unit, try_quantity
 
 Choice = Literal["filippov", "hysteresis", "refuse"]
 Impact = Literal["newton", "newton_simultaneous", "poisson", "lzb", "lzb_hertz"]
@@ -319,12 +320,30 @@ def seconds(value: Any, where: str) -> float:
     """
     if isinstance(value, Real):
         return float(value)
-    quantity = try_quantity(str(value))
-    if quantity is None or quantity.dimension not in (parse_unit("s")[1], parse_unit("1")[1]):
-        raise UsageError(
-            f"{value!r} is not a time", code="HB-S106", where=where, hint="write 0.2 or '200 ms'"
-        )
-    return quantity.value
+    text = str(value).strip()
+    hint = "write 0.2 or '200 ms'"
+    try:
+        quantity = parse_quantity(text)
+        if quantity.dimension in (parse_unit("s")[1], parse_unit("1")[1]):
+            return quantity.value
+        if quantity.dimension == parse_unit("m")[1] and text.endswith("m"):
+            hint = f"write '{text}s' or '{text}in'"
+    except UnitError as error:
+        hint = _meant(text, error) or hint
+    raise UsageError(f"{value!r} is not a time", code="HB-S106", where=where, hint=hint)
+
+
+def _meant(text: str, error: UnitError) -> str:
+    """Return a remedy for what has a unit that is none: '5u', '2 dayz', '1 year'."""
+    given = try_quantity(f"{text}s")
+    if given is not None and given.dimension == parse_unit("s")[1]:
+        return f"write '{text}s'"
+    named = re.findall("'([^']*)'", error.hint)
+    units = [try_quantity(f"1 {name}") for name in named]
+    if error.code != "HB-U101" or error.hint.startswith("known"):
+        return ""
+    times = all(u is not None and u.dimension == parse_unit("s")[1] for u in units)
+    return error.hint if times else ""
 
 
 def seconds_of(value: Any, where: str) -> float | None:

@@ -133,6 +133,7 @@ class EventTable(Sequence[Event]):
             node = self.graph.by_path.get(name.rsplit(".", 2)[0])
         domain = self.graph.nodes[node].domain if node is not None else None
         unit = (domain.effort_unit if name.endswith(".e") else domain.flow_unit) if domain else ""
+        unit = unit.replace("*", "·")
         return f"{area:.6g} {unit}·s" if unit else f"{area:.6g} s"
 
     def __str__(self) -> str:

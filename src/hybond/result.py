@@ -23,7 +23,7 @@ from hybond.measures.window import instant_near
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
-from hybond.names import html_lines, html_table
+from hybond.names import html_lines, html_table, plural
 from hybond.options import seconds
 from hybond.report import EventTable
 from hybond.runs.states import State
@@ -469,5 +469,5 @@ class Result(Measuring, Tabled):
     def __repr__(self) -> str:
         return (
             f"<Result {self.title!r}: {self.status}, t = {self.t_end:g} s, "
-            f"{len(self.events)} events>"
+            f"{len(self.events)} {plural('event', len(self.events))}>"
         )

@@ -175,7 +175,10 @@ def simulate(
         graph = banded(graph, band)
     maker = choose_engine(engine)
     given = start if start is not None else graph.experiment.get("start")
-    begin, settings = begun(given, graph, settings, maker)
+    try:
+        begin, settings = begun(given, graph, settings, maker)
+    except UsageError as error:
+        raise of_experiment(error, graph, {"start": start, "until": until}) from None
     runners = runners_of(graph, fmus=fmus)
     try:
         with shown(progress, settings.until) as shows:

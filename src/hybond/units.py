@@ -61,6 +61,38 @@ def _whole(n: int | Fraction) -> int | Fraction:
     return n.numerator if n.denominator == 1 else n
 
 
+class Worded(Dimension):
+    """A dimension in the words in which a value of it was given: a torque in N*m is no energy.
+
+    It is equal to the dimension without them; products of it have none.
+
+    Examples
+    --------
+    >>> torque = parse_quantity("3 kN*m").dimension
+    >>> print(torque, torque * torque, torque == parse_unit("J")[1])
+    N*m kg^2*m^4/s^4 True
+    """
+
+    __slots__ = ("word",)
+    word: str
+
+    def __init__(self, exponents: tuple[Fraction | int, ...], word: str) -> None:
+        super().__init__(exponents)
+        object.__setattr__(self, "word", word)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Dimension) and self.exponents == other.exponents
+
+    def __hash__(self) -> int:
+        return hash(Dimension(self.exponents))
+
+    def __str__(self) -> str:
+        return self.word
+
+    def __reduce__(self) -> tuple[type[Worded], tuple[object, ...]]:
+        return Worded, (self.exponents, self.word)
+
+
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """A value in SI units and its dimension."""
@@ -113,7 +145,17 @@ _MEANT = {
     **{"henry": "H", "henrie": "H", "newton": "N", "pascal": "Pa", "joule": "J", "watt": "W"},
     **{"meter": "m", "metre": "m", "second": "s", "sec": "s", "msec": "ms", "usec": "us"},
     **{"kilogram": "kg", "kilo": "kg", "gramm": "g", "hour": "h", "minute": "min", "hr": "h"},
-    **{"hertz": "Hz", "radian": "rad", "degree": "deg", "kelvin": "K", "liter": "L", "litre": "L"},
+    **{
+        "pound": "lb",
+        "feet": "ft",
+        "in": "inch",
+        "hertz": "Hz",
+        "radian": "rad",
+        "degree": "deg",
+        "kelvin": "K",
+        "liter": "L",
+        "litre": "L",
+    },
     **{
         "nm": "N*m",
         "nms": "N*m*s",
@@ -122,10 +164,29 @@ _MEANT = {
         "vs": "V*s",
         "as": "A*s",
         "rps": "rev/s",
+        "cfm": "ft^3/min",
     },
     **{"coulomb": "C", "tesla": "T", "weber": "Wb", "siemen": "S", "millisecond": "ms"},
 }
 """What words mean that are no units."""
+_SEVERAL = {
+    **dict.fromkeys(("hp", "horsepower"), "1 hp is 745.7 W (mechanical) or 735.49875 W (metric)"),
+    **dict.fromkeys(("cal", "calorie"), "1 cal is 4.184 J or 4.1868 J"),
+    **{"kcal": "1 kcal is 4184 J or 4186.8 J", "btu": "1 BTU is 1055.056 J"},
+    **dict.fromkeys(("gal", "gallon"), "1 gal is 3.785411784 L (US) or 4.54609 L (imperial)"),
+    **{"gpm": "1 gpm is 3.785411784 L/min (US)", "lpm": "write L/min", "ccm": "write cm^3"},
+    **dict.fromkeys(("psia", "psig", "barg"), "write psi or bar: whether it is gauge is yours"),
+    **dict.fromkeys(("year", "yr", "month"), "a year has 365 or 365.25 day"),
+    **{"va": "write W", "var": "write W", "rot": "write rev"},
+}
+"""What to write for words that mean several units, or none."""
+
+
+_CELSIUS = (Fraction("273.15"), Fraction(1))
+_FAHRENHEIT = (Fraction("459.67") * 5 / 9, Fraction(5, 9))
+_OFFSET = dict.fromkeys(("degC", "°C", "℃", "celsius", "Celsius"), _CELSIUS)
+_OFFSET |= dict.fromkeys(("degF", "°F"), _FAHRENHEIT)
+"""Scales of temperature: where their zero is, and how large a degree is, K."""
 
 
 def _solved(units: _Units, symbol: str) -> _Unit:
@@ -144,7 +205,7 @@ def _resolve(symbol: str) -> _Unit:
         if symbol[:cut] in _PREFIX and symbol[cut:] in _PREFIXED:
             factor, dimension = _solved(_PREFIXED, symbol[cut:])
             return _PREFIX[symbol[:cut]] * factor, dimension
-    if symbol in ("degC", "°C", "℃", "celsius", "Celsius", "degF", "°F"):
+    if symbol in _OFFSET:
         why = f"{symbol!r} has an offset and is not a unit"
         raise UnitError(why, code="HB-U105", hint="write kelvin: 20 degC is 293.15 K")
     known = [*_PLAIN, *_PREFIXED, *(p + u for p in "kmMuc" for u in _PREFIXED)]
@@ -152,6 +213,7 @@ def _resolve(symbol: str) -> _Unit:
     meant = _MEANT.get(symbol.lower()) or _MEANT.get(one.lower())
     meant = meant or (one if len(one) > 1 and one in known else None)
     hint = f"did you mean {meant!r}?" if meant else did_you_mean(symbol, known)
+    hint = _SEVERAL.get(symbol.lower()) or _SEVERAL.get(one.lower()) or hint
     raise UnitError(f"unknown unit {symbol[:40]!r}", code="HB-U101", hint=hint)
 
 
@@ -257,7 +319,73 @@ def parse_quantity(text: str) -> Quantity:
     if match is None:
         raise _bad(text, "does not begin with a number")
     unit = text[match.end() :].strip()
-    return Quantity(*_scaled(match[1], unit[1:-1] if re.fullmatch(r"\[.*\]", unit) else unit))
+    unit = unit[1:-1] if re.fullmatch(r"\[.*\]", unit) else unit
+    try:
+        value, dimension = _scaled(match[1], unit)
+    except UnitError as error:
+        if error.code == "HB-U105":
+            error.hint = _in_kelvin(match[1], unit) or error.hint
+        raise
+    return Quantity(value, _worded(unit, dimension))
+
+
+def _in_kelvin(number: str, unit: str) -> str:
+    """Return what a temperature, or a difference of temperatures, is in kelvin.
+
+    Examples
+    --------
+    >>> _in_kelvin("20", "degC"), _in_kelvin("32", "°F")
+    ('20 degC is 293.15 K, as a difference 20 K', '32 °F is 273.15 K, as a difference 17.7778 K')
+    """
+    if unit not in _OFFSET:
+        return ""
+    zero, size = _OFFSET[unit]
+    at, many = float(Fraction(number) * size + zero), float(Fraction(number) * size)
+    return f"{number} {unit} is {at:.9g} K, as a difference {many:.6g} K"
+
+
+_SHARED = {"J": "N", "1/s": "rad|Hz", "1": "rad"}
+"""Dimensions of several kinds of quantity by their symbols, each with a unit that tells which."""
+
+
+@lru_cache(1024)
+def _worded(unit: str, dimension: Dimension) -> Dimension:
+    """Return a dimension in the words of a unit, where its own symbol is none or another's."""
+    symbol = _symbols().get(dimension)
+    if symbol is not None and symbol not in _SHARED:
+        return dimension
+    word = _in_si(unit)
+    told = symbol is None or re.search(rf"\b({_SHARED[symbol]})\b", word)
+    if not told or word == symbol:
+        return dimension
+    try:
+        same = parse_unit(word)[1] == dimension
+    except UnitError:
+        same = False  # what stands for it in SI has a power of a power
+    return Worded(dimension.exponents, word) if same else dimension
+
+
+def _in_si(unit: str) -> str:
+    """Return a unit with each symbol in SI: ``kN*cm`` as ``N*m``."""
+    plain = re.sub("[⁻⁰¹²³⁴-⁹]+", lambda m: "^" + m[0].translate(_SUPERSCRIPT), unit)
+    plain = re.sub(r"\s+", "", plain).replace("**", "^").replace("·", "*")
+    word = re.sub(r"°?[^\W\d_]+|[%°]", lambda m: f"({_symbol_in_si(m[0])})", plain)
+    word = re.sub(r"\(([^\W\d_]+|1)\)", r"\1", word)
+    word = re.sub(r"\(([^\W\d_]+\^\d)\)(?!\^)", r"\1", word)
+    return word[1:-1] if re.fullmatch(r"\([^()]*\)", word) else word
+
+
+def _symbol_in_si(symbol: str) -> str:
+    for cut in (0, 2, 1):  # a name of its own before one with a prefix, as where it is resolved
+        head, rest = symbol[:cut], symbol[cut:]
+        if (cut == 0 and rest in _PLAIN) or ((not head or head in _PREFIX) and rest in _PREFIXED):
+            break
+    if rest in ("rev", "deg", "°"):
+        return "rad"
+    if rest == "rpm":
+        return "rad/s"
+    number, dimension = _resolve(rest)
+    return rest if number == 1 else str(dimension)
 
 
 def try_quantity(text: str) -> Quantity | None:
@@ -307,6 +435,10 @@ _define(_PREFIXED, "Hz,1,1/s;N,1,kg*m/s^2;Pa,1,N/m^2;J,1,N*m;W,1,J/s;C,1,A*s;V,1
 _define(_PREFIXED, "ohm Ω Ω,1,V/A;S,1,A/V;Wb,1,V*s;T,1,Wb/m^2;H,1,Wb/A;L l,1/1000,m^3")
 _define(_PREFIXED, "bar,100000,Pa;eV,1.602176634e-19,J;Wh,3600,J;Ah,3600,C;gram,1/1000,kg")
 _define(_PLAIN, "min,60,s;h,3600,s;t tonne,1000,kg;atm,101325,Pa;%,1/100,1")
+_define(_PLAIN, "day days,86400,s;week,7,day;inch,0.0254,m;ft foot,12,inch;yd,3,ft;mile,1760,yd")
+_define(_PLAIN, "nmi,1852,m;knot,1,nmi/h;mph,1,mile/h;lb lbm,0.45359237,kg;lbf,9.80665,lb*m/s^2")
+_define(_PLAIN, "kgf kp,9.80665,N;psi,1,lbf/inch^2;torr Torr,1/760,atm;mmHg,133.322387415,Pa")
+_define(_PLAIN, "ppm,1/1000000,1")
 _TURN = 2 * Fraction(math.pi)
 _define(_PLAIN, f"rev,{_TURN},1;rpm,{_TURN / 60},1/s;deg °,{_TURN / 360},1")
 

@@ -149,6 +149,8 @@ export interface RunSummary {
   plot: string[];
   /** Whether it has values of its own, as a member of a sweep. */
   own?: boolean;
+  /** When a law was first seen not to hold, s, and that in words. */
+  doubt?: { t: number; said: string };
   error?: Problem;
 }
 

@@ -103,6 +103,7 @@ export function Plots({ store, state }: Props) {
           <input type="checkbox" checked={state.flowing} onChange={(e) => store.set({ flowing: e.currentTarget.checked })} /> power along bonds
         </label>
       </div>
+      {run.doubt && <p class="doubt">{run.doubt.said}</p>}
       {state.plotted.map((name, k) => (
         <Trace
           key={name}
@@ -115,6 +116,7 @@ export function Plots({ store, state }: Props) {
           wide={wide}
           dark={state.dark}
           last={k === state.plotted.length - 1}
+          doubt={run.doubt?.t}
           onSpan={(span) => store.set({ span })}
           onTime={(t) => {
             store.set({ instant: null });
@@ -198,6 +200,8 @@ interface TraceProps {
   wide: number;
   dark: boolean | null;
   last: boolean;
+  /** From when on its values do not hold. */
+  doubt?: number;
   onSpan: (span: [number, number]) => void;
   onTime: (t: number) => void;
 }
@@ -214,7 +218,7 @@ class Trace extends Component<TraceProps> {
   componentDidUpdate(was: TraceProps): void {
     const p = this.props;
     const same =
-      was.wide === p.wide && was.dark === p.dark && was.last === p.last &&
+      was.wide === p.wide && was.dark === p.dark && was.last === p.last && was.doubt === p.doubt &&
       was.curves.length === p.curves.length && was.curves.every((c, k) => c === p.curves[k]);
     if (!same) this.draw();
     else if (was.cursor !== p.cursor) this.plot?.redraw(false);
@@ -255,6 +259,7 @@ class Trace extends Component<TraceProps> {
         ],
         series: [{}, ...good.map((_, k) => ({ stroke: colours[k], width: 1.5, points: { show: false }, pxAlign: 0, spanGaps: tables.length > 1 }))],
         hooks: {
+          drawClear: [(u) => this.doubted(u, style.getPropertyValue("--doubt"))],
           draw: [
             (u) => {
               this.arrows(u, impulses, colours[colours.length - 1], unit);
@@ -313,6 +318,27 @@ class Trace extends Component<TraceProps> {
         c.fillText(words, x + (room ? 6 : -6) * px, (zero + end) / 2);
       }
     }
+    c.restore();
+  }
+
+  /** A shade and a line where values end to hold, as in printed plots. */
+  private doubted(u: uPlot, colour: string): void {
+    const t = this.props.doubt;
+    if (t === undefined) return;
+    const { left, top, width, height } = u.bbox;
+    const x = Math.max(u.valToPos(t, "x", true), left);
+    if (x > left + width) return;
+    const c = u.ctx;
+    c.save();
+    c.fillStyle = c.strokeStyle = colour;
+    c.globalAlpha = 0.12;
+    c.fillRect(x, top, left + width - x, height);
+    c.globalAlpha = 1;
+    c.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+    c.beginPath();
+    c.moveTo(x, top);
+    c.lineTo(x, top + height);
+    c.stroke();
     c.restore();
   }
 

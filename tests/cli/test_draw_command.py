@@ -114,3 +114,35 @@ def test_what_does_not_go_together_is_refused(shell: Any, options: list[str], sa
     done = shell("draw", "chopper.toml", *options)
     assert done.code == 1 and said in done.err
     assert not list(shell.folder.glob("*.svg"))
+
+
+DIVIDER = """\
+hybond = 1
+domain = "electrical"
+[elements]
+source = { submodel = "electrical.voltage_source", parameters = { U = "24 V" } }
+load = { submodel = "electrical.resistor" }
+ground = { submodel = "electrical.ground" }
+[graph]
+bonds = ["source.plus -> load.plus", "load.minus -> source.minus", "source.minus -> ground.pin"]
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("source.plus -> load", "source.pluss -> load", "HB-M101 at parts.toml:8: graph.bonds[0]:"),
+        ("24 V", "24 A", "HB-U103 at parts.toml:4: source.U: '24 A' is in A; the parameter U of"),
+        ("U =", "V =", "HB-M107 at parts.toml:4: source.V:"),
+        ("source.minus -> gr", "source.minus -> lo", "HB-M101 at parts.toml:8: graph.bonds[2]:"),
+    ],
+)
+def test_no_schematic_is_drawn_of_what_means_nothing(
+    shell: Any, old: str, new: str, said: str
+) -> None:
+    shell.file("parts.toml", DIVIDER.replace(old, new))
+    done = shell("draw", "parts.toml", "--schematic")
+    assert done.code == 2 and done.err.startswith(said)
+    assert not list(shell.folder.glob("*.svg"))
+    shell.file("parts.toml", DIVIDER)
+    assert shell("draw", "parts.toml", "--schematic").out == "parts.svg\n"

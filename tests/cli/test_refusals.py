@@ -126,3 +126,69 @@ def test_every_verb_is_in_the_page(shell: Any) -> None:
 def test_json_failure_is_plain_ascii(shell: Any) -> None:
     done = shell("run", "δ.toml", "--json")
     assert done.out.isascii() and json.loads(done.out)["file"] == "δ.toml"
+
+
+@pytest.mark.parametrize(
+    "said, code, where",
+    [
+        ('until = "2 parsecs"', "HB-S106", "experiment.until"),
+        ('until = ["1 s", "2 s"]', "HB-S106", "experiment.until"),
+        ('solver = "rk54"', "HB-S101", "experiment.solver"),
+        ('solver = "rk4"', "HB-S102", "experiment.solver"),
+        ('solver = "rk4"\nstep = "1 N"', "HB-S106", "experiment.step"),
+        ('max_step = "1 N"', "HB-S106", "experiment.max_step"),
+        ('sliding = "hysteresis"', "HB-S111", "experiment.sliding"),
+        ('start = { "mass.q" = 1 }', "HB-S134", "experiment.start.mass.q"),
+        ('start = { "mass.p" = "1 N" }', "HB-S134", "experiment.start.mass.p"),
+    ],
+)
+def test_check_refuses_what_a_run_of_the_experiment_refuses(
+    shell: Any, said: str, code: str, where: str
+) -> None:
+    text = (shell.folder / "spring.toml").read_text()
+    if "until" in said:
+        text = text.replace('until = "2 s"\n', "")
+    (shell.folder / "asked.toml").write_text(text + said + "\n")
+    for words in (["run", "asked.toml"], ["check", "asked.toml"]):
+        done = shell(*words)
+        assert done.code in (1, 2)
+        assert done.err.startswith(f"{code} at asked.toml:") and f": {where}: " in done.err
+        assert "fine" not in done.out
+    told = json.loads(shell("check", "asked.toml", "--json").out)
+    assert told["error"]["where"] == where and not told["ok"]
+
+
+@pytest.mark.parametrize("verb", ["run", "measure", "sweep"])
+def test_what_does_not_add_up_is_no_signal(shell: Any, verb: str) -> None:
+    """Of a force and a velocity nothing is printed, and they have the names that were asked for."""
+    words = {
+        "run": ["run", "spring.toml", "--at", "1", "--signals", "mass.f - spring.e"],
+        "measure": ["measure", "spring.toml", "mean(mass.f - spring.e)"],
+        "sweep": [
+            "sweep",
+            "spring.toml",
+            "--vary",
+            "m=1,2",
+            "--collect",
+            "final(mass.f - spring.e)",
+        ],
+    }[verb]
+    done = shell(*words)
+    assert done.code in (1, 2)
+    assert "HB-U102" in done.err and "'mass.f' in m/s and 'spring.e' in N" in done.err
+
+
+@pytest.mark.parametrize(
+    "words, meant",
+    [
+        (["sweep", "ball.toml", "--measure", "final(v.f)"], "--collect"),
+        (["run", "ball.toml", "-o", "run.csv"], "--out"),
+        (["run", "ball.toml", "--t-end", "3"], "--until"),
+        (["run", "ball.toml", "--param", "e=1"], "--set"),
+    ],
+)
+def test_an_option_by_the_name_it_has_elsewhere_is_understood(
+    shell: Any, words: list[str], meant: str
+) -> None:
+    done = shell(*words)
+    assert done.code == 1 and f"did you mean '{meant}'?" in done.err

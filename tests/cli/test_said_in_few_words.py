@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import hybond as hb
@@ -67,3 +69,50 @@ def test_check_says_the_same_of_many_modes_once(
     never = next(int(line.split()[0]) for line in said if "no run enters" in line)
     assert told + more + never <= 54 - 1
     assert never > 0 and told + more > 0
+
+
+FOLLOWER = """\
+hybond = 1
+domain = "translational"
+[parameters]
+high = "2 m/s"
+[elements]
+push = { Se = "if gate.state == 'on' then 3 else -3" }
+body = { I = "1 kg" }
+v = { junction = 1 }
+two = { submodel = "watch", inputs = { u = "v.f" }, parameters = { high = "high" } }
+[graph]
+bonds = ["push -> v -> body"]
+[machines.gate]
+states = { on = [], off = [] }
+start = "on"
+rules = ["on -> off when two.inner.over > 0.5"]
+[models.watch]
+parameters = { high = "1 m/s", m = "1 m/s" }
+inputs = { u = { constant = "0 m/s" } }
+elements = { inner = { submodel = "deep", inputs = { u = "u" }, parameters = { m = "high" } } }
+[models.watch.models.deep]
+parameters = { m = "1 m/s" }
+inputs = { u = { constant = "0 m/s" } }
+signals = { over = "if state.state == 'high' then 1 else 0" }
+[models.watch.models.deep.machines.state]
+states = { low = [], high = [] }
+start = "low"
+rules = ["low -> high when u > m + 0 [m/s] and abs(u) > 0", "high -> low when u < -m"]
+[experiment]
+until = "1 s"
+"""
+
+
+def test_what_a_guard_in_a_part_reads_has_the_path_of_the_part(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "two.toml"
+    file.write_text(FOLLOWER)
+    assert main(["run", str(file)]) == 0
+    said = capsys.readouterr().out
+    # 2 m/s are reached after 2/3 s; what a unit is called is no name
+    assert "t = 0.666666667 s  guard  two.inner.state  low -> high" in said
+    assert (
+        "two.inner.u > two.inner.m + 0 [m/s] and abs(two.inner.u) > 0   [two.inner.u = 2]" in said
+    )

@@ -15,6 +15,8 @@ from hybond.draw.plots import plot_run
 from hybond.draw.scales import axis_scale
 from hybond.draw.traces import trace_of
 from hybond.errors import UsageError
+from hybond.export.latex.plots import plots
+from hybond.runs.trace import Violation
 
 
 def lines(ax: Any, marker: str) -> list[Any]:
@@ -216,3 +218,24 @@ def test_small_changes_of_a_large_value_are_counted_from_a_round_number(run_of: 
     assert ax.get_ylabel() == "p.e [Pa from 1 TPa]"
     assert max(ax.lines[0].get_ydata()) == pytest.approx(1e3, rel=0.02)
     assert not ax.yaxis.get_offset_text().get_text()
+
+
+def test_a_run_whose_laws_do_not_hold_shows_it_in_its_plots(tmp_path: Path) -> None:
+    """From where they were seen not to hold: a line, a shade, and words; of sound runs nothing."""
+    m = hb.Model("rc", domain="electrical")
+    m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    m.bond("node -> c", "node -> r")
+    run = hb.simulate(m, until="2 s")
+    sound = run.plot("c.e")
+    run.trace.unsound.append(Violation(0.5, "r", 1.0, 2.0, "R 1 kohm", ""))
+    shown = run.plot("c.e")
+    dashed = [x.get_xdata()[0] for x in shown.axes[0].lines if x.get_linestyle() == "--"]
+    assert dashed == [0.5] and not [x for x in sound.axes[0].lines if x.get_linestyle() == "--"]
+    (shade,) = shown.axes[0].patches
+    assert shade.get_x() == 0.5 and shade.get_width() == 1.5 and not sound.axes[0].patches
+    said = "the laws do not hold from t = 0.5 s on (r)"
+    assert any(said in t.get_text() for t in shown.texts)
+    assert not any(said in t.get_text() for t in sound.texts)
+    run.plot("c.e", path=tmp_path / "c.svg")
+    assert "stroke: #a05000" in (tmp_path / "c.svg").read_text()
+    assert "hbdoubt, dashed] (3.25,0)" in "\n".join(plots(run, ["c.e"]))

@@ -119,6 +119,30 @@ def test_wires_of_a_net_begin_at_its_pins() -> None:
     assert len(joints.marks) == 1 + 2 + 4
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_tank_hangs_at_its_pipe_and_no_wire_leads_around_it(turned: bool) -> None:
+    """Nor around what is open to the air, which stands below like a ground."""
+    m = hb.Model("drain", domain="hydraulic")
+    m.add(pump=hb.Submodel("hydraulic.pressure_source"), pipe=hb.Submodel("hydraulic.pipe"))
+    m.add(store=hb.Submodel("hydraulic.accumulator"), valve=hb.Submodel("hydraulic.orifice"))
+    m.add(tank=hb.Submodel("hydraulic.tank"), drain=hb.Submodel("hydraulic.orifice"))
+    m.add(air=hb.Submodel("hydraulic.atmosphere"))
+    bonds = ["pump.port -> pipe.inlet", "pipe.outlet -> store.port", "pipe.outlet -> valve.inlet"]
+    bonds += ["valve.outlet -> tank.port", "tank.port -> drain.inlet", "drain.outlet -> air.port"]
+    m.bond(*(" -> ".join(b.split(" -> ")[::-1]) if turned else b for b in bonds))
+    drawing = draw_schematic(m)
+    wires = {g.key: g.marks[0].points for g in drawing.scene.groups if g.name == "wire"}
+    ends = ("tank.port", "air.port")
+    for way in (way for key, way in wires.items() if any(end in key for end in ends)):
+        # to and fro is a way around something: such a wire goes on in one way along either axis
+        for k in (0, 1):
+            steps = [q[k] - p[k] for p, q in itertools.pairwise(way) if q[k] != p[k]]
+            assert all(s > 0 for s in steps) or all(s < 0 for s in steps)
+    at = drawing.positions
+    assert set(at) == set(m.elements)
+    assert at["air"][1] == max(y for _, y in at.values())
+
+
 DRAWN = [n for n in sorted(names()) if find(n).symbol is not None]
 
 

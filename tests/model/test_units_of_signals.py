@@ -50,11 +50,12 @@ def test_some_times_a_torque_is_a_torque_and_its_work_is_none(text: str, unit: s
 @pytest.mark.parametrize(
     ("given", "kind", "law", "unit"),
     [
-        ("2 N*m", "Se", "u", "N*m"),
-        ("2 N*m", "Se", "-2*u + brake", "N*m"),
-        ("2 N*m", "Se", "if time < 1 then u else brake", "N*m"),
-        ("3 rad/s", "Sf", "u", "rad/s"),
-        ("2 N*m", "Se", "u*w.f/(1 [rad/s])", "J"),
+        ("2 J", "Se", "u", "N*m"),
+        ("2 J", "Se", "-2*u + brake", "N*m"),
+        ("2 J", "Se", "if time < 1 then u else brake", "N*m"),
+        ("3 [1/s]", "Sf", "u", "rad/s"),
+        ("2 J", "Se", "u*w.f/(1 [rad/s])", "J"),
+        ("2 N*m", "Se", "u*w.f/(1 [rad/s])", "N*m"),
     ],
 )
 def test_an_input_is_what_the_source_gives_that_it_drives(
@@ -139,3 +140,76 @@ def test_a_number_with_a_unit_says_that_of_the_sum() -> None:
     m = drive(s=hb.Integral("4*w.f"), z="s + 1 [A]", turned="s + 1 [rad]", u="0")
     run = hb.simulate(m, 1.0)
     assert (run["z"].unit, run["turned"].unit) == ("A", "rad")
+
+
+@pytest.mark.parametrize("bond", ["n -> C", "C -> n"])
+@pytest.mark.parametrize(
+    ("value", "named"),
+    [
+        ("R.f + C.q", "'R.f' in A and 'C.q' in C"),
+        ("n.f + C.e", "'n.f' in A and 'C.e' in V"),
+        ("pace + C.e", "'pace' in V*s"),
+        ("flows + C.e", "'flows' in A and 'C.e' in V"),
+    ],
+)
+def test_what_does_not_add_up_is_named_as_it_was_written(value: str, named: str, bond: str) -> None:
+    m = hb.Model("m", domain="electrical")
+    m.add(V=hb.Se("10 V"), R=hb.R("1 ohm"), C=hb.C("1 F"), D=hb.Se(value), n=hb.One())
+    m.bond("V -> n -> R", bond, "D -> n")
+    m.signal(pace=hb.Integral("R.e"), flows="R.f")
+    with pytest.raises(hb.UnitError) as refused:
+        m.flatten()
+    assert refused.value.where == "elements.D.Se"
+    assert named in refused.value.why
+    assert ":" not in refused.value.why
+
+
+@pytest.mark.parametrize("name", ["V.e - R.f", "-(R.f - V.e)", "max(C.q, R.f)", "pre(R.e) + R.f"])
+def test_a_run_is_not_asked_for_what_does_not_add_up(name: str) -> None:
+    m = hb.Model("m", domain="electrical")
+    m.add(V=hb.Se("10 V"), R=hb.R("1 ohm"), C=hb.C("1 F"), n=hb.One())
+    m.bond("V -> n -> R", "n -> C")
+    run = hb.simulate(m, 1.0)
+    with pytest.raises(hb.UnitError, match="HB-U102"):
+        run[name]
+    assert run["V.e - R.e - C.e"].at(1.0) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "asked", "unit"),
+    [
+        ("60 kN*cm", "T", "N*m"),
+        ("60 kN*cm", "-2*T + w.e", "N*m"),
+        ("60 J", "T", "J"),
+        ("300 rpm", "T", "rad/s"),
+        ("50 Hz", "T", "Hz"),
+        ("1 bar/(L/min)^2", "T", "Pa/(m^3/s)^2"),
+        ("1 bar/(L/min)^2", "max(T, 2*T)", "Pa/(m^3/s)^2"),
+        ("20 N*m/rad", "T", "N*m/rad"),
+        ("2 kohm", "T", "ohm"),
+        ("2 V/A", "T", "ohm"),
+        ("60 N*m", "T*T", "kg^2*m^4/s^4"),
+    ],
+)
+def test_what_is_made_of_a_parameter_has_the_unit_that_it_was_given_in(
+    given: str, asked: str, unit: str
+) -> None:
+    m = hb.Model("shaft", domain="rotational", parameters={"T": given})
+    m.add(drive=hb.Se("1 N*m"), w=hb.Zero(), r=hb.R("1 N*m*s"))
+    m.bond("drive -> w -> r")
+    m.signal(asked=asked)
+    assert hb.simulate(m, until="1 s")["asked"].unit == unit
+
+
+@pytest.mark.parametrize("bond", ["u -> w", "w -> u"])
+@pytest.mark.parametrize(
+    ("law", "unit"),
+    [("T", "N*m"), ("-T", "N*m"), ("T + 1 [N*m]", "N*m"), ("2*T", "J"), ("T*w.f/(1 [rad/s])", "J")],
+)
+def test_what_a_controller_gives_to_a_drive_is_a_torque(law: str, unit: str, bond: str) -> None:
+    m = hb.Model("drive", domain="rotational", parameters={"K": "2 N*m*s", "set": "100 rpm"})
+    m.add(J=hb.I("1 kg*m^2"), b=hb.R("0.1 N*m*s"), u=hb.Se(law), w=hb.One())
+    m.bond(bond, "w -> J", "w -> b")
+    m.signal(err="set - w.f", T="K*err")
+    run = hb.simulate(m, 0.1)
+    assert (run["T"].unit, run["err"].unit) == (unit, "rad/s")

@@ -460,6 +460,33 @@ def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
     assert not page.complaints()
 
 
+MISSED = """
+const missed = [];
+const at = (x, y) => document.elementFromPoint(x, y)?.closest("[data-schematic]");
+for (const g of document.querySelectorAll(".schematic g.part")) {
+  const marks = [...g.querySelectorAll("path.symbol, path.filled")];
+  const boxes = marks.map(e => e.getBoundingClientRect());
+  const [x0, x1] = [Math.min(...boxes.map(r => r.left)), Math.max(...boxes.map(r => r.right))];
+  const [y0, y1] = [Math.min(...boxes.map(r => r.top)), Math.max(...boxes.map(r => r.bottom))];
+  for (const [u, v] of [[0.5, 0.5], [0.4, 0.6], [0.6, 0.4]])
+    if (at(x0 + u * (x1 - x0), y0 + v * (y1 - y0)) !== g) missed.push(g.dataset.schematic);
+}
+return missed;
+"""
+
+
+def test_a_click_within_a_symbol_is_on_its_part(
+    desk: Any, serve: Callable[[str], str], tmp_path: Path
+) -> None:
+    """Also where nothing is drawn, and in a picture that is small."""
+    (tmp_path / "tanks.toml").write_text((EXAMPLES / "three_tanks.toml").read_text())
+    page = Page(desk, serve("tanks.toml"))
+    next(b for b in page.all("header button") if b.text == "Schematic").click()
+    page.until(lambda: page.one('[data-schematic="second"] path.symbol'), "the schematic")
+    assert desk.execute_script(MISSED) == []
+    assert not page.complaints()
+
+
 def test_axe_finds_nothing_serious_in_a_schematic(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:

@@ -35,6 +35,7 @@ from hybond.model.checked import Checked, Hint
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.planar_friction import kept_paths
 from hybond.names import plural
+from hybond.one_run import check_run
 
 BONDS = 5000
 """Conflicts ahead are looked for in models of up to this many bonds: in a second or so."""
@@ -70,6 +71,7 @@ def check(given: Namespace) -> int:
         return _as_data(given, model)
     graph = flatten_with(model, given.settings)
     check_experiment(graph)
+    check_run(graph)
     say(graph.title or graph.name)
     _counts(graph)
     _machines(graph)
@@ -116,6 +118,7 @@ def _as_data(given: Namespace, model: Model) -> int:
     try:
         graph = flatten_with(model, given.settings)
         check_experiment(graph)
+        check_run(graph)
         hints = hints_of(model, graph)
         warnings = list(graph.warnings)
         conflicts = () if _has_laws(graph) else _conflicts(graph)

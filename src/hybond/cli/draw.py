@@ -6,9 +6,10 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hybond.cli.lists import mode_of
+from hybond.cli.lists import check_experiment, mode_of
 from hybond.cli.netlists import read_model
 from hybond.cli.running import read_graph
+from hybond.cli.settings import changed_with, flatten_with
 from hybond.cli.streams import say
 from hybond.cli.targets import check_target
 from hybond.errors import UsageError
@@ -52,7 +53,9 @@ def _schematic(given: Namespace) -> Drawing:
                 hint=f"leave out --{option} or --schematic",
             )
     model, conversion = read_model(given.file)
-    return draw_schematic(conversion.as_parts() if conversion is not None else model)
+    check_experiment(flatten_with(model, given.settings))
+    drawn = conversion.as_parts() if conversion is not None else model
+    return draw_schematic(changed_with(drawn, given.settings)[0])
 
 
 def _picture(graph: FlatGraph, given: Namespace) -> Drawing:

@@ -10,6 +10,7 @@ from hybond.cli.streams import say
 from hybond.errors import UsageError
 from hybond.library import Sheet, names, sheet
 from hybond.library.sheets import Line
+from hybond.library.shelves import title_of
 from hybond.names import did_you_mean, in_columns
 
 
@@ -51,13 +52,15 @@ def _with_word(word: str) -> list[str]:
     word = word.lower()
     if "." in word:
         return []
-    return [n for n in names() if word in n.partition(".")[2] or word in sheet(n).title.lower()]
+    return [n for n in names() if word in n.partition(".")[2] or word in title_of(n).lower()]
 
 
 def _remedy(wanted: str, found: Sequence[str], domains: Sequence[str]) -> str:
     if found:
         return f"did you mean {', '.join(map(repr, found[:3]))}?"
     near = did_you_mean(wanted, [*names(), *domains])
+    if not near.startswith("did"):  # the name without its shelf
+        near = did_you_mean(wanted, sorted({n.partition(".")[2] for n in names()}))
     return near if near.startswith("did") else "hybond library lists them all"
 
 
@@ -67,7 +70,7 @@ def _listed(domain: str) -> Iterator[str]:
 
 
 def _lines(chosen: Sequence[str]) -> list[str]:
-    return in_columns((f"  {name}", sheet(name).title) for name in chosen)
+    return in_columns((f"  {name}", title_of(name)) for name in chosen)
 
 
 def _page(of: Sheet) -> Iterator[str]:

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 
-from hybond.errors import HybondError, ModelError, UsageError
+from hybond.errors import HybondError, ModelError, UnitError, UsageError
 from hybond.measures.asked import asked_of_experiment
 from hybond.model.graph import FlatGraph, Mode
 from hybond.names import did_you_mean
@@ -198,6 +198,9 @@ def check_signals(graph: FlatGraph, names: Iterable[str], where: str) -> list[st
     for name in (wanted := list(names)):
         try:
             graph.read(name)
+        except UnitError as error:
+            error.where = where
+            raise
         except HybondError as error:
             refusal = UsageError if where.startswith("--") else ModelError
             raise refusal(

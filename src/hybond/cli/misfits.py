@@ -15,6 +15,19 @@ _NO_VALUE = re.compile(r"argument (?P<option>\S+): expected one argument")
 _TWO = re.compile(r"argument (?P<one>\S+): not allowed with argument (?P<other>\S+)")
 _KINDS = {"float": ("a number", "1e-6"), "int": ("a whole number", "10")}
 
+_ELSEWHERE = {
+    **dict.fromkeys(("--measure", "--measures", "--outputs"), ("--collect", "--signals")),
+    **dict.fromkeys(("-o", "--output", "--save", "--csv"), ("--out",)),
+    **dict.fromkeys(("--param", "--params", "--parameter", "-p", "-D"), ("--set",)),
+    **dict.fromkeys(("-t", "--time", "--t-end", "--tend", "--stop-time", "--end"), ("--until",)),
+    **dict.fromkeys(("--method", "--integrator"), ("--solver",)),
+    **dict.fromkeys(("--tol", "--tolerance"), ("--rtol",)),
+    **dict.fromkeys(("--dt", "--step-size"), ("--step", "--max-step")),
+    **dict.fromkeys(("-j", "--jobs", "--cores"), ("--workers",)),
+    **dict.fromkeys(("--format",), ("--to",)),
+}
+"""What options of other programs, and of other verbs, are named here."""
+
 
 def in_words(message: str, parser: ArgumentParser) -> tuple[str, str]:
     """Return the reason and the remedy of what the parser of options says.
@@ -51,7 +64,9 @@ def unknown_option(parser: ArgumentParser, verb: str, rest: Sequence[str]) -> Us
         hint = f"put a value with spaces in quotes; {help}"
         return UsageError(why, code="HB-X101", where=f"hybond {verb}", hint=hint)
     name = word.split("=", 1)[0]
-    near = did_you_mean(name, own._option_string_actions)
+    there = own._option_string_actions
+    meant = next((n for n in _ELSEWHERE.get(name, ()) if n in there), "")
+    near = f"did you mean {meant!r}?" if meant else did_you_mean(name, there)
     return UsageError(
         f"{verb} has no option {name}",
         code="HB-X101",

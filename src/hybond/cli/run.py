@@ -155,7 +155,8 @@ def stats_line(run: Result) -> str:
     count = {k: int(v) for k, v in run.stats.items() if float(v).is_integer()}
     words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations") if k in count]
     if "modes" in count:
-        words.append(f"{count['modes']} {plural('mode', count['modes'])}")
+        # those that were only tried at an instant count as well
+        words.append(f"equations of {count['modes']} {plural('mode', count['modes'])}")
     events, kept = count.get("events", len(run.events)), len(run.events)
     many = f"{events} {plural('event', events)}"
     words.append(many + (f", the last {kept} kept" if kept < events else ""))

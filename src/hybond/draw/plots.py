@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hybond.draw.doubts import COLOUR as DOUBTED
+from hybond.draw.doubts import doubt, draw_doubt
 from hybond.draw.impulses import draw_impulses, impulses_of
 from hybond.draw.marks import draw_marks
 from hybond.draw.measure import abridged, shorten, width
@@ -105,6 +107,9 @@ def plot_run(
         ((unit, chosen),) = groups.items()
         _signals(ax, result, {n: trace_of(result.pieces(n)) for n in chosen}, unit, factor)
         _time_axis(ax, result, factor, time_label)
+        draw_doubt([ax], result, factor=factor)
+        if said := doubt(result):
+            ax.set_title(said, fontsize=8.0, color=DOUBTED, parse_math=False)
         figure = ax.get_figure(root=True)
         assert figure is not None
     else:
@@ -209,6 +214,7 @@ def _stacked(
     for panel in panels:
         _time_axis(panel, result, factor, time_label if panel is panels[-1] else "")
     draw_marks(panels, result, factor=factor, inches=inches)
+    draw_doubt(panels, result, factor=factor)
     figure.align_ylabels(panels[: len(groups)])
     title = shorten(str(result.title), 10.5, 72.0 * inches)
     figure.text(
@@ -221,9 +227,9 @@ def _stacked(
         parse_math=False,
     )
     warnings = len(result.warnings)
-    if warnings:
-        said = f"{warnings} warning{'s' if warnings > 1 else ''}: see run.warnings"
-        figure.text(0.06 / page, 0.06 / height, said, fontsize=7.5, color="#a05000")
+    counted = f"{warnings} warning{'s' if warnings > 1 else ''}: see run.warnings"
+    if said := "; ".join(filter(None, (doubt(result), counted if warnings else ""))):
+        figure.text(0.06 / page, 0.06 / height, said, fontsize=7.5, color=DOUBTED, parse_math=False)
     return figure
 
 

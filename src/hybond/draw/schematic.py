@@ -20,6 +20,7 @@ from hybond.draw.drawing import Drawing
 from hybond.draw.geometry import Box, Point
 from hybond.draw.measure import width
 from hybond.draw.meeting import cut_back, element_of, joint, joints_of, nets_of, port_of
+from hybond.draw.one_port_dots import MARK, with_dots
 from hybond.draw.scene import Group, Line, Scene, Text
 from hybond.draw.sketch import typeset
 from hybond.draw.symbols import Placed, boxed, placed
@@ -33,6 +34,7 @@ from hybond.model.kinds import KINDS
 from hybond.model.parts import Part, SubmodelPart
 from hybond.model.symbol import CORE, Symbol
 from hybond.model.written_out import written_out
+from hybond.units import try_quantity
 
 CELL = (120.0, 100.0)
 """Pixels from one cell of the layout to the next: symbols need more than letters."""
@@ -91,7 +93,7 @@ def draw_schematic(
     >>> [g.name for g in draw_schematic(m).scene.groups][:2]
     ['title', 'wire']
     """
-    model = written_out(model, layout=positions)
+    model, stems = with_dots(written_out(model, layout=positions))
     bonds = _bonds(model)
     names = list(model.elements)
     if not any(isinstance(part, SubmodelPart) for part in model.elements.values()):
@@ -124,12 +126,14 @@ def draw_schematic(
     nets = nets_of(dots | {f"{n}.{port}" for n, p in put.items() for port in p.pins}, bonds)
     cores = plan.cores if plan is not None else ()
     wires, meets = cut_back(_wires(nodes, put, dots, bonds, nets, plan, ends), sorted(dots))
-    groups = [Group("wire", f"{a} -> {b}", f"{a} -> {b}", (Line("wire", w),)) for a, b, w in wires]
+    groups = [_wire(a, b, way, stems) for a, b, way in wires]
     if plan is not None and plan.bars:
         groups.append(Group("cores", "", "", plan.bars))
     groups += _parts(nodes, put, wires, cores)
-    groups += named_nodes({n: meets.get(n, nodes[n].at) for n in names if n in dots}, groups, wires)
+    told = [n for n in names if n in dots and not n.endswith(MARK)]
+    groups += named_nodes({n: meets.get(n, nodes[n].at) for n in told}, groups, wires)
     groups.append(Group("joints", "", "", tuple(joint(p) for p in joints_of(wires, nets, put))))
+    places = {n: at for n, at in places.items() if not n.endswith(MARK)}
     return _drawing(model.title or model.name if title else "", groups, places)
 
 
@@ -232,13 +236,29 @@ def _feet(model: Model) -> tuple[list[str], list[str]]:
         if isinstance(part, SubmodelPart):
             inner = submodel_of(part, name, model.models)
             own = [p for p in inner.elements.values() if isinstance(p, Part)]
-            values = [str(p.value) for p in own if p.kind in ("Se", "Sf")]
+            given = inner.parameters | dict(part.parameters)
+            written = [str(p.value) for p in own if p.kind in ("Se", "Sf")]
+            values = [_zero(str(given.get(v, v))) for v in written]
             switched = bool(inner.machines) or any(p.options.get("law") for p in own)
             if "0" in values and len(inner.ports) == 1 and all(p.kind != "Sf" for p in own):
                 grounds.append(name)
             elif values and not switched and all(p.kind not in _SPREADING for p in own):
                 sources.append(name)
     return sources, grounds
+
+
+def _wire(a: str, b: str, way: tuple[Point, ...], stems: Mapping[str, str]) -> Group:
+    """Return a wire by the name of its bond: a dot of its own stands for the port behind it."""
+    if stems.get(a) == b:
+        return Group("stem", "", "", (Line("wire", way),))
+    bond = f"{stems.get(a, a)} -> {stems.get(b, b)}"
+    return Group("wire", bond, bond, (Line("wire", way),))
+
+
+def _zero(value: str) -> str:
+    """Return a plain 0 for zero in any unit, and any other value as it is."""
+    quantity = try_quantity(value)
+    return "0" if quantity is not None and quantity.value == 0.0 else value
 
 
 def _node(model: Model, name: str, at: Point) -> _Node:

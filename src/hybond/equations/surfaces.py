@@ -161,12 +161,12 @@ def _negated(one: Expr, other: Expr) -> bool:
 
 def _text(rule: Rule, atom: Compare, count: int) -> str:
     """Return the surface as the modeller would write it."""
-    outside, before = rule.text, ""
+    outside, before = rule.said, ""
     while outside != before:
         before, outside = outside, re.sub(r"\([^()]*\)", lambda m: "_" * len(m[0]), outside)
     found = [m.span() for m in re.finditer("[<>]=?", outside)]
-    if count == 1 and len(found) == 1 and "not" not in rule.text:
-        left, right = rule.text[: found[0][0]], rule.text[found[0][1] :]
+    if count == 1 and len(found) == 1 and "not" not in rule.said:
+        left, right = rule.said[: found[0][0]], rule.said[found[0][1] :]
         return f"{left.strip()} = {right.strip()}"
     return f"{_written(rule, atom.left)} = {_written(rule, atom.right)}"
 

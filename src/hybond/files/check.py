@@ -101,6 +101,10 @@ def check(data: Any, shape: Any, place: Place) -> None:
         raise _located(data, shape, place, str(error)) from None
 
 
+_STARTS = (("q", "e"), ("p", "f"))
+"""What is stored in a C and in an I, and what is measured of it: either says where it starts."""
+
+
 @cache
 def _fields(shape: type[msgspec.Struct]) -> dict[str, tuple[Any, bool]]:
     hints = get_type_hints(shape, include_extras=True)
@@ -148,9 +152,11 @@ def _located_in_record(
     for key in data:
         if key not in fields:
             what = "section or key of a model" if "elements" in fields else "key here"
-            return (place / key).refuse(
-                f"{quoted(key)} is not a {what}", code="HB-F109", hint=did_you_mean(key, fields)
-            )
+            hint = did_you_mean(key, fields)
+            stored = [pair for pair in _STARTS if fields.keys() >= set(pair)]
+            if stored and not hint.startswith("did"):  # most often how it starts is meant
+                hint = f"{hint}; it starts at {' or '.join(stored[0])}: {stored[0][1]} = ..."
+            return (place / key).refuse(f"{quoted(key)} is not a {what}", code="HB-F109", hint=hint)
     for key, (of, required) in fields.items():
         if key in data:
             if wrong := _fits(data[key], of):

@@ -61,7 +61,7 @@ def _rules(machine: Machine) -> Iterator[Hint]:
             yield Hint(
                 "HB-H111",
                 f"machines.{machine.path}",
-                f"the guard of {source} -> {target}, {rule.text!r}, holds for no values of what it "
+                f"the guard of {source} -> {target}, {rule.said!r}, holds for no values of what it "
                 "reads: the rule never fires",
                 "look at its signs and at which side is larger; take the rule out if that is meant",
             )

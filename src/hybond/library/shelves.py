@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import re
+import tomllib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -40,6 +42,24 @@ def find(name: Any) -> Model | None:
     found = load(SHELVES.joinpath(*name.split(".")).with_suffix(".toml"))
     found.origin = None  # what is refused in a part is said where the part is used
     return found
+
+
+def title_of(name: str) -> str:
+    """Return the title of a part, for lists: its file is read no further than its first section.
+
+    Examples
+    --------
+    >>> import hybond as hb
+    >>> title_of("electrical.diode") == hb.library.sheet("electrical.diode").title
+    True
+    """
+    text = SHELVES.joinpath(*name.split(".")).with_suffix(".toml").read_text(encoding="utf-8")
+    head = re.split(r"(?m)^\[", text, maxsplit=1)[0]
+    try:
+        found = tomllib.loads(head)
+    except tomllib.TOMLDecodeError:  # a line of a longer text begins like a section
+        found = tomllib.loads(text)
+    return str(found.get("title") or name.rpartition(".")[2])
 
 
 def part(name: str) -> Model:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hybond.errors import HybondError, UsageError
+from hybond.errors import HybondError, UnitError, UsageError
 from hybond.model.expressions import Expr, names
 from hybond.model.graph import FlatGraph
 from hybond.names import did_you_mean
@@ -38,6 +38,8 @@ def read_name(graph: FlatGraph, name: str) -> Expr:
         )
     try:
         found = graph.read(name)
+    except UnitError:
+        raise  # it is there, and means nothing
     except HybondError as error:
         raise UsageError(
             f"there is no signal {name!r}: {error.why}",

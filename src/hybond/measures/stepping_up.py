@@ -64,8 +64,8 @@ class StepInfo:
             ("initial", shown(self.initial, self.unit)),
             ("final", shown(self.final, self.unit)),
             (f"rise time, {self.low:g} to {self.high:g}", time(self.rise_time)),
-            ("overshoot", f"{100.0 * self.overshoot:.4g} %"),
-            ("undershoot", f"{100.0 * self.undershoot:.4g} %"),
+            ("overshoot", f"{100.0 * self.overshoot + 0.0:.4g} %"),
+            ("undershoot", f"{100.0 * self.undershoot + 0.0:.4g} %"),
             ("peak", f"{shown(self.peak, self.unit)} after {shown(self.peak_time, 's')}"),
             (f"settling time, {100.0 * self.band:g} %", time(self.settling_time)),
         ]

@@ -357,10 +357,9 @@ class Model(Asked):
         """
         from hybond.draw import draw_mode, draw_schematic
 
+        graph = self.flatten()  # what has no meaning is not drawn as if it had one
         if schematic:
             return draw_schematic(self)
-
-        graph = self.flatten()
         chosen = None if mode is None else graph.mode_of(mode)
         return draw_mode(
             graph, chosen, numbers=numbers, simplify=simplify, open=open, legend=legend

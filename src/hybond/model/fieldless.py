@@ -113,7 +113,7 @@ def _check_exits(graph: FlatGraph, machine: Machine, state: int) -> None:
             hint += f'pre({machine.path}.state == "{machine.states[state]}")'
         if early:
             raise ModelError(
-                f"the exit {rule.text!r} of a fieldless state {early}, so the state would be left "
+                f"the exit {rule.said!r} of a fieldless state {early}, so the state would be left "
                 "before its jump is written",
                 code="HB-M171",
                 where=where,
@@ -123,7 +123,7 @@ def _check_exits(graph: FlatGraph, machine: Machine, state: int) -> None:
             for name in sorted(names(argument)):
                 if not _is_stored(graph, name):
                     raise ModelError(
-                        f"the exit {rule.text!r} reads {describe(graph, Name(name))} in a "
+                        f"the exit {rule.said!r} reads {describe(graph, Name(name))} in a "
                         "fieldless state, where it has no value",
                         code="HB-M171",
                         where=where,

@@ -15,7 +15,7 @@ from hybond.errors import HybondError, ModelError, UnitError
 from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.dimensions import Loose
-from hybond.model.expressions import Name, names, parse
+from hybond.model.expressions import Expr, Name, names, parse
 from hybond.model.expressions.slots import Slots
 from hybond.model.flat_pieces import with_flat_pieces
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
@@ -26,7 +26,7 @@ from hybond.model.kinds import KINDS, RESISTORS, STORAGES
 from hybond.model.lawbook import law_of, start_of
 from hybond.model.located import locate
 from hybond.model.machines import machines_of, rule_of, switched_by, with_laws_of_junctions
-from hybond.model.misfits import units_of
+from hybond.model.misfits import of_a_given_parameter, units_of
 from hybond.model.one_energy import check_energies
 from hybond.model.parametric import Parametric, parametric
 from hybond.model.parts import Value
@@ -67,6 +67,8 @@ def flatten(model: Model, overrides: Mapping[str, Value], slots: Slots | None = 
     except HybondError as error:
         if error.code == "HB-M107" and error.where in overrides:
             error.hint = settable_like(model, error.where)
+        if isinstance(error, UnitError):
+            error = of_a_given_parameter(error, changed, left)
         raise locate(error, changed, overrides) from None
 
 
@@ -161,7 +163,7 @@ def _flatten(
         indeterminate=model.indeterminate,
         pins=pins_of(opened, resolver),
         reference=reference_of(opened, machines),
-        read=lambda text: resolver.resolve(parse(text, where=text), root, text),
+        read=lambda text: _read(text, resolver, root, dimensions),
         condition=lambda text: (
             rule_of(text, resolver, root, text, dimensions),
             tuple(resolver.watches),
@@ -172,6 +174,15 @@ def _flatten(
     check_readers(graph)
     check_energies(graph)
     return with_flat_pieces(fieldless.checked(graph))
+
+
+def _read(
+    text: str, resolver: Resolver, root: Scope, dimensions: dict[str, Dimension | None]
+) -> Expr:
+    """Return what somebody asks a model for, as its own signals are read: units have to fit."""
+    tree = resolver.resolve(parse(text, where=text), root, text)
+    resolver.dimension(tree, dimensions, text)
+    return tree
 
 
 def _experiment(model: Model, root: Scope) -> dict[str, Any]:

@@ -141,7 +141,14 @@ class Rule:
     text: str
     """The guard as written."""
     reads: tuple[tuple[str, Expr], ...] = ()
-    """What the guard reads, as written and in canonical names."""
+    """What the guard reads, by full paths and in canonical names."""
+    told: str = ""
+    """The guard with full paths, where it was written within a part; empty where they are those."""
+
+    @property
+    def said(self) -> str:
+        """The guard as it is told of: names of a part with the path of the part."""
+        return self.told or self.text
 
 
 @dataclass(frozen=True, slots=True)

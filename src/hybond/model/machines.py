@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from hybond.errors import ModelError
-from hybond.model.expressions import Compare, Expr, Name, Number, Pre, children, parse
+from hybond.model.expressions import Compare, Expr, Name, Number, Pre, children, names, parse
 from hybond.model.fed_laws import fed_laws
 from hybond.model.graph import Machine, Node, Rule
 from hybond.model.hierarchy import Opened, Scope
@@ -206,8 +206,19 @@ def rule_of(
     for read in _reads(tree):
         meaning = resolver.resolve(read, scope, where)
         if not isinstance(meaning, Number):
-            reads.append((str(read), meaning))
-    return Rule(0, 1, guard, text, tuple(reads))
+            reads.append((_with_paths(str(read), read, scope), meaning))
+    told = _with_paths(text, tree, scope)
+    return Rule(0, 1, guard, text, tuple(reads), told if told != text else "")
+
+
+def _with_paths(text: str, tree: Expr, scope: Scope) -> str:
+    """Return a text of a part in which names have the path of the part; units stay as they are."""
+    own = [n for n in names(tree) if n != "time" and n != scope.index and '"' not in n]
+    if not scope.prefix or not own:
+        return text
+    one_of = "|".join(re.escape(n) for n in sorted(own, key=len, reverse=True))
+    words = rf"\[[^\]]*\]|\d\s*[A-Za-z%°]+|\"[^\"]*\"|(?<![\w.])(?:{one_of})(?![\w.\[(])"
+    return re.sub(words, lambda m: join(scope.prefix, m[0]) if m[0] in own else m[0], text)
 
 
 def _reads(tree: Expr) -> list[Expr]:

@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from hybond.errors import HybondError
+from hybond.errors import HybondError, UnitError
+from hybond.model.builder import Model
 from hybond.model.expressions import Number, names, parse
 from hybond.model.graph import Node
+from hybond.model.hierarchy import submodel_of
 from hybond.model.kinds import TWO_PORTS
+from hybond.model.origin import SECTIONS
+from hybond.model.parts import SubmodelPart
 from hybond.model.resolve import Resolver
-from hybond.units import try_quantity
+from hybond.names import join
+from hybond.units import DIMENSIONLESS, try_quantity
 
 
 def units_of(values: Iterable[Any], parameters: Mapping[str, Number]) -> str:
@@ -34,7 +39,7 @@ def units_of(values: Iterable[Any], parameters: Mapping[str, Number]) -> str:
             continue
         for name in sorted(used & parameters.keys()):
             dimension = parameters[name].dimension
-            if dimension is not None:
+            if dimension is not None and value.strip() != name:  # of itself that is said already
                 found[name] = f"the parameter {name} is in {dimension}"
     return f" ({', '.join(found.values())})" if found else ""
 
@@ -69,3 +74,49 @@ def declared_elsewhere(node: Node, resolver: Resolver, domain: str) -> str | Non
                 if written and written.part.options.get("domain") == node.domain.name:
                     return other.path
     return None
+
+
+def of_a_given_parameter(
+    error: HybondError, model: Model, overrides: Mapping[str, Any]
+) -> HybondError:
+    """Return the refusal of a parameter that a part is given in another unit than its own, if any.
+
+    What is refused within the part does not name what was written: this is the place of it.
+
+    Parameters
+    ----------
+    error : HybondError
+        Of units that do not fit, somewhere in the model.
+    model : Model
+    overrides : mapping
+        Values of parameters by path.
+    """
+    known, path = dict(model.models), ""
+    steps = error.where.split(".")
+    for name in steps[1:] if steps[0] in SECTIONS else steps:
+        part = model.elements.get(name)
+        if not isinstance(part, SubmodelPart):
+            break
+        path = join(path, name)
+        try:
+            model = submodel_of(part, path, known)
+        except HybondError:
+            break
+        known |= model.models
+        given = {k: overrides.get(f"{path}.{k}", v) for k, v in part.parameters.items()}
+        given |= {
+            k: overrides[f"{path}.{k}"] for k in model.parameters if f"{path}.{k}" in overrides
+        }
+        for k, value in given.items():
+            own, other = (try_quantity(str(v)) for v in (model.parameters.get(k, ""), value))
+            if own is None or other is None or DIMENSIONLESS in (own.dimension, other.dimension):
+                continue
+            if own.dimension != other.dimension:
+                return UnitError(
+                    f"{str(value)!r} is in {other.dimension}; the parameter {k} of "
+                    f"{model.name!r} is in {own.dimension}",
+                    code="HB-U103",
+                    where=f"{path}.{k}",
+                    hint=f"a value in {own.dimension}, such as {model.parameters[k]}",
+                )
+    return error

@@ -8,7 +8,7 @@ signals substituted.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from hybond.errors import ExpressionError, ModelError
 from hybond.model.dimensions import infer_dimension, instead_of
@@ -39,6 +39,7 @@ from hybond.model.expressions.tree import any_kind, extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
 from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
+from hybond.model.spelled import as_written
 from hybond.names import did_you_mean, join, port_number
 from hybond.units import Dimension
 
@@ -74,6 +75,7 @@ class Resolver:
         self._watched: dict[Compare, int] = {}
         self._signals: dict[str, Expr] = {}
         self._open: list[str] = []
+        self._spelled: dict[tuple[str, str], str] = {}
         self._bond_names = self._name_bonds()
 
     # -- trees
@@ -98,7 +100,12 @@ class Resolver:
             if isinstance(e, Compare) and e.op in ("==", "!="):
                 return self._equality(e, scope, where)
             if isinstance(e, Name):
-                return local[e.path] if e.path in local else self.name(e.path, scope, where)
+                if e.path in local:
+                    return local[e.path]
+                meant = self.name(e.path, scope, where)
+                if isinstance(meant, Name):
+                    self._spelled.setdefault((where, meant.path), e.path)
+                return meant
             if isinstance(e, Call) and gathers(e):
                 written = gathered(e, scope, where)
                 several.append(extent(written)[1])
@@ -350,12 +357,15 @@ class Resolver:
         """Return a tree's dimension; a refusal speaks of names as they are written."""
         if isinstance(tree, Number):
             return infer_dimension(tree, dimensions.get, where=where, certain=certain)
-        written = {
-            name: as_written(name, self.nodes, self.bonds, self.opened) for name in names(tree)
-        }
+        written = {name: self._as_written(name, where) for name in names(tree)}
         known = {text: dimensions.get(name) for name, text in written.items()}
         shown = substitute(tree, {name: Name(text) for name, text in written.items()})
         return infer_dimension(shown, known.get, where=where, certain=certain)
+
+    def _as_written(self, name: str, where: str) -> str:
+        """Return a canonical name as it stands at a place, else as a modeller would write it."""
+        spelled = self._spelled.get((where, name))
+        return spelled or as_written(name, self)
 
     def known(self, scope: Scope) -> list[str]:
         """Return the names that may be written in `scope`, for "did you mean"."""
@@ -371,25 +381,6 @@ class Resolver:
                 found += [f"{node.path}.e", f"{node.path}.f"]
         dot = f"{scope.prefix}."
         return [p.removeprefix(dot) for p in found if not scope.prefix or p.startswith(dot)]
-
-
-def as_written(name: str, nodes: Sequence[Node], bonds: Sequence[Bond], opened: Opened) -> str:
-    """Return a canonical name as a modeller would write it."""
-    kind, _, index = name.partition(":")
-    if kind == "law":
-        return index
-    if kind in ("e", "f"):
-        bond = bonds[int(index)]
-        for at in (bond.tail, bond.head):
-            node = nodes[at]
-            if not node.is_junction and len(node.ends) == 1:
-                return f"{node.path}.{kind}"
-        return f'"{bond.name}".{kind}'
-    if kind == "s":
-        return list(opened.integrals)[int(index)]
-    if kind == "u":
-        return list(opened.inputs)[int(index)]
-    return name
 
 
 def balance(node: Node, variable: str, *, without: int | None = None) -> Expr:

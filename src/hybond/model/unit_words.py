@@ -1,18 +1,19 @@
 """The unit of a signal in the words of its domain: a torque is in N*m, not in J.
 
-Dimensions do not tell torque from energy or an angle from a number. A bond does, and what is added
-to a torque, or is the larger of two, or a number of times a torque, is a torque as well. An input
-is what the sources give that it drives, and what it is added to or compared with.
+Dimensions do not tell torque from energy or an angle from a number. A bond does, and a value that
+was given in N*m; what is added to a torque, or is the larger of two, or a number of times a torque,
+is a torque as well. An input is what the sources give that it drives, and what it is added to or
+compared with.
 """
 
 from __future__ import annotations
 
 from hybond.model.dimensions import RATED, infer_dimension
-from hybond.model.expressions import Expr, Name
+from hybond.model.expressions import Expr, Name, transform
 from hybond.model.expressions.tree import Binary, Call, Compare, If, Neg, Number, Pre, walk
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import SOURCES
-from hybond.units import DIMENSIONLESS, parse_unit
+from hybond.units import DIMENSIONLESS, Worded, parse_unit
 
 _KEEP = ("abs", "min", "max", "hypot")
 """Functions whose value is of the kind of their arguments."""
@@ -36,7 +37,38 @@ def unit_of(e: Expr, graph: FlatGraph) -> str:
         return word
     dimension = infer_dimension(e, graph.dimensions.get)
     text = "" if dimension is None else str(dimension)
+    if dimension in _SHARED and not isinstance(e, Name):
+        text = _of_source(e, graph) or text
     return "" if text == "1" else text
+
+
+def _of_source(e: Expr, graph: FlatGraph) -> str:
+    """Return the word of the sources that give an expression, or a sum in which it is a term."""
+    e = _bare(e)
+    words = {
+        _of_name(f"{node.law.output}:{node.ends[0].bond}", graph, frozenset()) or ""
+        for node in graph.nodes
+        if node.kind in SOURCES and node.law and _has_term(_bare(node.law.expressions[0]), e)
+    }
+    return next(iter(words)) if len(words) == 1 else ""
+
+
+def _bare(e: Expr) -> Expr:
+    """Return an expression whose numbers have no units, as in laws."""
+    return transform(e, lambda n: Number(n.value) if isinstance(n, Number) else n)
+
+
+def _has_term(law: Expr, e: Expr) -> bool:
+    if law == e:
+        return True
+    match law:
+        case Neg(arg) | Pre(arg):
+            return _has_term(arg, e)
+        case Binary("+" | "-", left, right) | If(_, left, right):
+            return _has_term(left, e) or _has_term(right, e)
+        case Call(function, args) if function in _KEEP:
+            return any(_has_term(arg, e) for arg in args)
+    return False
 
 
 def _word(e: Expr, graph: FlatGraph, within: frozenset[int]) -> str | None:
@@ -46,6 +78,8 @@ def _word(e: Expr, graph: FlatGraph, within: frozenset[int]) -> str | None:
     that reads itself says nothing.
     """
     match e:
+        case Number(_, Worded(word=word)):
+            return word
         case Number(_, dimension):
             return None if dimension in (None, DIMENSIONLESS) else ""
         case Name(path):

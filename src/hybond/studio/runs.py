@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hybond.draw.doubts import doubt, doubted_from
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
 from hybond.model.parts import Value
@@ -70,6 +71,9 @@ class Running:
                 ],
                 "plot": _plotted(run),
             }
+            start = doubted_from(run)
+            if start is not None:
+                found["doubt"] = {"t": start, "said": doubt(run)}
         if self.error is not None:
             found["error"] = self.error.to_dict()
             found.setdefault("status", "error")

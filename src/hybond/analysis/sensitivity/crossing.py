@@ -140,7 +140,7 @@ def _guards_that_cross(
             for compare in comparisons(rule.guard):
                 h = Binary("-", compare.left, compare.right)
                 for g in leaping(end.tangent.rows.moving(h)) if jumps else [h] if names(h) else []:
-                    made = crossed(fields, segment, end, g, rule.text, loose=loose)
+                    made = crossed(fields, segment, end, g, rule.said, loose=loose)
                     if isinstance(made, str):
                         grazed.append(made)
                     elif made is not None:

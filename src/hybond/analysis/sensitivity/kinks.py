@@ -140,7 +140,7 @@ def edges_at(fields: Fields, field: Field, mode: Mode, d: Vector) -> list[tuple[
         for rule in machine.rules:
             for compare in comparisons(rule.guard) if rule.source == state else ():
                 h = rows.moving(Binary("-", compare.left, compare.right))
-                texts.setdefault(h, f"{rule.text} of {machine.path}")
+                texts.setdefault(h, f"{rule.said} of {machine.path}")
     for e in (*rows.rows, *rows.rates):
         for h in turning(e):
             texts.setdefault(h, "a law that bends")

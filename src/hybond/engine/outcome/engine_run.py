@@ -319,8 +319,8 @@ class EngineRun:
 
 def _method(left: list[tuple[str, int]], many: int, turns: Sequence[Turn]) -> str:
     """Return how many modes were propagated exactly, why not more, and who had the others."""
-    texts = [f"{_modes(many)} propagated exactly"]
-    texts += [f"{_modes(n)} left to rk45: {why}" for why, n in sorted(left) if n]
+    texts = [f"{_modes(many)} propagated exactly"] if many or not any(n for _, n in left) else []
+    texts += [f"{_modes(n)} by steps of rk45: {why}" for why, n in sorted(left) if n]
     if turns:
         texts.append(f"stiff: {', '.join(map(str, turns[:TOLD]))}")
         if len(turns) > TOLD:

@@ -231,13 +231,13 @@ class Explaining:
         reads = [(name, e) for name, e in guard.reads if name.startswith("pre(") == before]
         read = ", ".join(name for name, e in reads if names(e) & moved)
         where = "before this instant" if before else f"in mode ({self.graph.mode_text(mode)})"
-        return f"the guard {guard.text!r} reads {read}, which the equations leave open {where}"
+        return f"the guard {guard.said!r} reads {read}, which the equations leave open {where}"
 
     def _on_open_integrals(self, reader: int, free: set[str], mode: Mode) -> str:
         """Say that a guard, or the gap of port ``-1 - reader``, reads integrals of what is open."""
         if reader >= 0:
             guard = self._rules[reader]
-            what = f"the guard {guard.text!r}"
+            what = f"the guard {guard.said!r}"
             read = [name for name, e in guard.reads if names(e) & free]
         else:
             law = self._laws[-1 - reader]
@@ -259,13 +259,13 @@ class Explaining:
         over: tuple[str, ...] = ()
         if why >= 0:
             rule = self._rules[why]
-            guard = rule.text
+            guard = rule.said
             for (name, _), (finite, impulse, strikes) in zip(rule.reads, reads, strict=True):
                 values[name] = finite
                 if strikes:
                     impulses[name] = impulse
             over = tuple(
-                self._rules[r].text for r in rows.over[found.over[f] : found.over[f + 1]].tolist()
+                self._rules[r].said for r in rows.over[found.over[f] : found.over[f + 1]].tolist()
             )
         elif why in SURFACES:
             guard = f"{self.surfaces[int(reads[0][0])].text}: {SURFACES[why]}"

@@ -157,7 +157,7 @@ def _meaningless(c: Case) -> Said:
     name = _function(rule.guard)
     if name:
         why = why.replace("a function of an impulse", f"{name}() of an impulse")
-    return Said(f"{why} (in the guard {rule.text!r})", f"{machine.path} {c.now}")
+    return Said(f"{why} (in the guard {rule.said!r})", f"{machine.path} {c.now}")
 
 
 def _function(guard: Expr) -> str:
@@ -270,7 +270,7 @@ def _guard_without_value(c: Case) -> Said:
         return Said(why, f"signals.{c.refusal.place}")
     rule, machine = c.explain.rule(number), c.explain.machine_of(number)
     return Said(
-        f"the guard {rule.text!r} compares what is not a number {c.now}", machine.path, hint
+        f"the guard {rule.said!r} compares what is not a number {c.now}", machine.path, hint
     )
 
 

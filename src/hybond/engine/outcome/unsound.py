@@ -49,7 +49,7 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
             (m, f) for m, own in zip(graph.machines, rules_of(graph), strict=True) for f in own
         ]
         machine, forced = ruled[index]
-        return machine.path, f"{FIRES if what == UNFIRED else ONE_INSTANT} {forced.rule.text}"
+        return machine.path, f"{FIRES if what == UNFIRED else ONE_INSTANT} {forced.rule.said}"
     if what in (ELEMENT, MANY, ENDS):
         node = graph.nodes[elements[index]]
     elif what in (STORAGE, UNTOUCHED, BALANCE, RATE, CREATED):

@@ -16,10 +16,14 @@ def banded(graph: FlatGraph, band: float) -> FlatGraph:
         replace(
             m,
             rules=tuple(
-                replace(r, guard=guards[r], text=f"{r.text} (by {band:g})") if r in guards else r
-                for r in m.rules
+                _with(r, guards[r], f" (by {band:g})") if r in guards else r for r in m.rules
             ),
         )
         for m in graph.machines
     )
     return replace(graph, machines=machines)
+
+
+def _with(rule: Rule, guard: Expr, said: str) -> Rule:
+    told = rule.told + said if rule.told else ""
+    return replace(rule, guard=guard, text=rule.text + said, told=told)

@@ -158,8 +158,9 @@ class _Making:
         for k in sorted(held):
             read = {int(n[2:]) for n in names(integrals[k].rate) if n.startswith("s:")}
             for other in sorted(read & held):
-                follows = f"{integrals[k].path} follows {integrals[other].path}"
-                return self._number(f"{follows}, which does not move linearly")
+                path = integrals[other].path
+                follows = "" if other == k else f"{integrals[k].path} follows {path}, which "
+                return self._number(f"{follows or path + ' '}does not move linearly")
         return -1
 
     def _free_of(self, found: Found, held: set[int]) -> Found:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.draw.doubts import COLOUR, doubt, doubted_from
 from hybond.draw.scales import axis_scale, by_unit, time_scale
 from hybond.draw.tex import escape
 from hybond.draw.traces import trace_of
@@ -18,6 +19,8 @@ Vector = NDArray[np.float64]
 
 WIDTH, HEIGHT = 13.0, 3.4
 """Of one axes, cm."""
+DOUBTED = "hbdoubt"
+"""The colour of what does not hold."""
 POINTS = 500
 """Points of a line: columns in each of which the least and the greatest value are kept."""
 COLOURS = ("0072B2", "D55E00", "009E73", "CC79A7", "56B4E9", "E69F00", "000000")
@@ -28,7 +31,8 @@ ARROWS = 60
 
 def colours() -> str:
     """Return the definitions of the colours."""
-    return "\n".join(rf"\definecolor{{hb{k}}}{{HTML}}{{{c}}}" for k, c in enumerate(COLOURS))
+    named = {f"hb{k}": c for k, c in enumerate(COLOURS)} | {DOUBTED: COLOUR.removeprefix("#")}
+    return "\n".join(rf"\definecolor{{{name}}}{{HTML}}{{{c.upper()}}}" for name, c in named.items())
 
 
 def plots(run: Result, names: Sequence[str]) -> Iterator[str]:
@@ -63,6 +67,12 @@ def _axes(run: Result, names: list[str], unit: str) -> Iterator[str]:
         x = _n(WIDTH * (tick - begin) / max(end - begin, 1e-300))
         yield rf"\draw ({x},0) -- ({x},-0.08) node[below] {{${latex_number(tick)}$}};"
     yield rf"\draw (0,0) rectangle ({WIDTH:g},{HEIGHT:g});"
+    start = doubted_from(run)
+    if start is not None:
+        x = _n(float(x_of(start)))
+        yield rf"\fill[{DOUBTED}, opacity=0.12] ({x},0) rectangle ({WIDTH:g},{HEIGHT:g});"
+        yield rf"\draw[{DOUBTED}, dashed] ({x},0) -- ({x},{HEIGHT:g});"
+        yield rf"\node[below right, {DOUBTED}] at (0,-0.8) {{{escape(doubt(run))}}};"
     yield rf"\node[below] at ({WIDTH / 2:g},-0.4) {{{escape(seconds)}}};"
     for k, name in enumerate(names):
         colour = f"hb{k % len(COLOURS)}"

@@ -255,7 +255,7 @@ def _machines(graph: FlatGraph) -> Iterator[str]:
             yield from _table(
                 "p{0.18}p{0.18}p{0.56}",
                 ("from", "to", "when"),
-                [(names[r.source], names[r.target], r.text) for r in machine.rules],
+                [(names[r.source], names[r.target], r.said) for r in machine.rules],
             )
 
 

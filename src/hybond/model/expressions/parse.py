@@ -211,6 +211,10 @@ class _Parser:
             "?": "write if condition then a else b",
             "[": "brackets hold a unit, 9.8 [m/s] or (x) [m], or, with no space, an index, c[3].q",
         }.get(found, "write arithmetic, comparisons, and, or, not, if, functions and pre(...)")
+        law = re.fullmatch(r"\s*([efpq])\s*", self.text[:at]) if found == "=" else None
+        if law:
+            value = self.text[at + 1 :].strip()
+            hint = f"where a law is meant, it stands in braces: {{ {law[1]} = {value!r} }}"
         self.fail(f"found {found!r}, which is not part of an expression,", at, hint=hint)
 
     @property
@@ -366,6 +370,8 @@ class _Parser:
             if unit is None:
                 self.fail(error.why, token.at, hint=error.hint)
             if token.unit is None:
+                if error.code == "HB-U105":
+                    self.fail(error.why, token.at, code="HB-E102", hint=error.hint)
                 hint = "" if error.code == "HB-U104" else error.hint
                 self.not_a_unit(token, following, hint)
             at = self.text.index("[", token.at)

@@ -6997,6 +6997,10 @@ function Nc({ store: e, state: t }) {
 					}), " power along bonds"] })
 				]
 			}),
+			l.doubt && /* @__PURE__ */ z("p", {
+				class: "doubt",
+				children: l.doubt.said
+			}),
 			t.plotted.map((r, i) => /* @__PURE__ */ z(Ic, {
 				name: r,
 				ink: Mc[i % Mc.length],
@@ -7007,6 +7011,7 @@ function Nc({ store: e, state: t }) {
 				wide: o,
 				dark: t.dark,
 				last: i === t.plotted.length - 1,
+				doubt: l.doubt?.t,
 				onSpan: (t) => e.set({ span: t }),
 				onTime: (t) => {
 					e.set({ instant: null }), e.moveCursor(t);
@@ -7086,7 +7091,7 @@ var Ic = class extends S {
 	}
 	componentDidUpdate(e) {
 		let t = this.props;
-		e.wide === t.wide && e.dark === t.dark && e.last === t.last && e.curves.length === t.curves.length && e.curves.every((e, n) => e === t.curves[n]) ? e.cursor !== t.cursor && this.plot?.redraw(!1) : this.draw();
+		e.wide === t.wide && e.dark === t.dark && e.last === t.last && e.doubt === t.doubt && e.curves.length === t.curves.length && e.curves.every((e, n) => e === t.curves[n]) ? e.cursor !== t.cursor && this.plot?.redraw(!1) : this.draw();
 	}
 	componentWillUnmount() {
 		this.plot?.destroy();
@@ -7154,6 +7159,7 @@ var Ic = class extends S {
 				spanGaps: d.length > 1
 			}))],
 			hooks: {
+				drawClear: [(e) => this.doubted(e, s.getPropertyValue("--doubt"))],
 				draw: [(e) => {
 					this.arrows(e, m, u[u.length - 1], p), this.timeline(e, c);
 				}],
@@ -7181,6 +7187,14 @@ var Ic = class extends S {
 			}
 		}
 		u.restore();
+	}
+	doubted(e, t) {
+		let n = this.props.doubt;
+		if (n === void 0) return;
+		let { left: r, top: i, width: a, height: o } = e.bbox, s = Math.max(e.valToPos(n, "x", !0), r);
+		if (s > r + a) return;
+		let c = e.ctx;
+		c.save(), c.fillStyle = c.strokeStyle = t, c.globalAlpha = .12, c.fillRect(s, i, r + a - s, o), c.globalAlpha = 1, c.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]), c.beginPath(), c.moveTo(s, i), c.lineTo(s, i + o), c.stroke(), c.restore();
 	}
 	timeline(e, t) {
 		let n = this.props.cursor;
