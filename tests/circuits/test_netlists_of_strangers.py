@@ -211,3 +211,48 @@ def test_switches_that_cross_at_one_gate_are_not_told_to_slide(read, rows):
     assert len(run.events) > 8
     assert not run.sliding
     assert not run.warnings
+
+
+@pytest.mark.parametrize(
+    ("card", "value"),
+    [
+        ("B1 b 0 V=V(a)+2", 2.0),
+        ("E1 b 0 POLY(1) a 0 2 1", 2.0),
+        ("B1 0 b I=2*cos(6*time)*exp(V(a))", 2.0),
+        ("B1 0 b I={k}", 2.0),
+        ("B1 b 0 V=2/(1+V(c)/2)", math.sqrt(5.0) - 1.0),  # v (1 + v/2) = 2
+        ("B1 b 0 V=log(V(a))+2", None),
+        ("B1 0 b I=V(b)/2", 0.0),  # nothing drives it
+    ],
+)
+@pytest.mark.parametrize("side", ["c 0", "0 c"])
+def test_sources_that_compute_count_in_the_rest_a_circuit_starts_from(read, card, value, side):
+    """The sine is zero at the start, and the capacitor began with nothing."""
+    rows = ["V1 a 0 SIN(0 1 1k)", card, "R1 b 0 1", "R2 b c 1", f"C1 {side} 1u", ".param k=2"]
+    rows += [".tran 1u 2u"]
+    if value is None:
+        with pytest.raises(hb.HybondError):
+            read(*rows)
+        return
+    conversion = read(*rows)
+    start = float(hb.simulate(conversion.model)[conversion.signal("v(c)")].at(0.0))
+    assert start == pytest.approx(value, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "value"),
+    [
+        ("V(a) >= 0 ? 3 : 1", 3),
+        ("V(a) <= 0 ? 3 : 1", 3),
+        ("V(a) > 0 ? 3 : 1", 1),
+        ("V(a) < 0 ? 3 : 1", 1),
+        ("3*!(V(a) < 0)", 3),
+        ("0 >= V(0,a) ? 3 : 1", 3),
+    ],
+)
+def test_what_is_equal_at_rest_is_compared_as_it_is_written(read, law, value):
+    conversion = read(
+        "V1 a 0 SIN(0 1 1k)", f"B1 b 0 V={law}", "R2 b c 1", "C1 c 0 1u", ".tran 1u 1m"
+    )
+    start = float(hb.simulate(conversion.model)[conversion.signal("v(c)")].at(0.0))
+    assert start == pytest.approx(value)

@@ -2,8 +2,9 @@
 
 At rest no current flows through a capacitor and no voltage drops across a coil. So a current source
 of zero stands for each C, a voltage source of zero for each L, and what remains is a circuit
-without storage, whose diodes and switches are settled as any others. Where its solution is not the
-only one, the start is not a matter of the circuit, and the netlist has to say it.
+without storage, whose diodes and switches are settled as any others. Sources that compute do so
+of what is there at rest, at t = 0. Where its solution is not the only one, the start is not a
+matter of the circuit, and the netlist has to say it.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from hybond.circuits.behaviour import PLACE
 from hybond.circuits.deck import Deck
+from hybond.circuits.formulas import evaluate
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line, Notices
@@ -25,7 +28,7 @@ from hybond.circuits.woven import written
 from hybond.errors import FileError, HybondError
 from hybond.files.place import shortened
 from hybond.model.builder import Model
-from hybond.model.expressions import Number
+from hybond.model.expressions import Number, substitute
 
 LARGEST = 1000
 """Elements of a circuit whose rest is computed: all at once, with dense matrices."""
@@ -63,7 +66,7 @@ def operating_point(
     """
     cleared = [replace(leaf, start=None) for leaf in leaves]
     stores = [k for k, leaf in enumerate(leaves) if leaf.role == "C" or _is_coil(leaf)]
-    driven = any(leaf.drive is not None and leaf.drive.initial for leaf in leaves)
+    driven = any(_drives(leaf) for leaf in leaves)
     if not stores or (not driven and not forced):
         return cleared  # nothing drives it: it is at rest with nothing stored
     if len(leaves) > LARGEST:
@@ -106,8 +109,26 @@ def _is_coil(leaf: Leaf) -> bool:
     return leaf.role == "I" or (winding is not None and winding.core.inductance is not None)
 
 
+def _drives(leaf: Leaf) -> bool:
+    """Whether a branch gives anything at t = 0 where nothing else does."""
+    if leaf.drive is not None:
+        return leaf.drive.initial != 0.0
+    law = leaf.branch.law
+    if law is None or leaf.role == "R":
+        return False
+    nothing = {"time": 0.0} | {f"{PLACE}{k}": 0.0 for k in range(len(law.reads))}
+    try:
+        return evaluate(law.formula, nothing) != 0.0
+    except (KeyError, ArithmeticError, ValueError):
+        return True  # a parameter, or no value at zero: the circuit tells
+
+
 def _at_rest(leaf: Leaf) -> Leaf:
     """Return what stands for a branch at rest at t = 0."""
+    law = leaf.branch.law
+    if law is not None:
+        law = replace(law, formula=substitute(law.formula, {"time": Number(0.0)}))
+        return replace(leaf, branch=replace(leaf.branch, law=law))
     if leaf.role == "C":
         return replace(leaf, role="Sf", text="0 A", drive=Drive("0 A", None, 0.0, True))
     if _is_coil(leaf):
