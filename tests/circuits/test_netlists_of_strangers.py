@@ -220,6 +220,7 @@ def test_switches_that_cross_at_one_gate_are_not_told_to_slide(read, rows):
         ("E1 b 0 POLY(1) a 0 2 1", 2.0),
         ("B1 0 b I=2*cos(6*time)*exp(V(a))", 2.0),
         ("B1 0 b I={k}", 2.0),
+        ("V2 b 0 SFFM(1 2 1k 2 100 30 0)", 2.0),  # 1 + 2 sin 30
         ("B1 b 0 V=2/(1+V(c)/2)", math.sqrt(5.0) - 1.0),  # v (1 + v/2) = 2
         ("B1 b 0 V=log(V(a))+2", None),
         ("B1 0 b I=V(b)/2", 0.0),  # nothing drives it
@@ -256,3 +257,9 @@ def test_what_is_equal_at_rest_is_compared_as_it_is_written(read, law, value):
     )
     start = float(hb.simulate(conversion.model)[conversion.signal("v(c)")].at(0.0))
     assert start == pytest.approx(value)
+
+
+def test_rows_that_are_chosen_are_told_what_to_write(read):
+    with pytest.raises(hb.FileError, match=r"test.cir:3: rows that .if chooses") as told:
+        read("V1 a 0 3", ".if (sel == 1)", "R1 a 0 1", ".endif", ".tran 0 1m")
+    assert "write out the rows" in told.value.hint
