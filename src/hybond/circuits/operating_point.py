@@ -20,6 +20,7 @@ from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND, Branch, Value
+from hybond.circuits.settled_starts import settle_starts
 from hybond.circuits.texts import Texts
 from hybond.circuits.waves import Drive
 from hybond.circuits.weaving import ends_of, weave
@@ -75,7 +76,7 @@ def operating_point(
     still = [_at_rest(leaf) for leaf in cleared]
     still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
     try:
-        values = _solve(still, stores, numbers, shown, texts, deck, parameters)
+        values, above = _solve(still, stores, numbers, shown, texts, deck, parameters)
     except FileError:
         raise
     except HybondError as error:
@@ -85,6 +86,9 @@ def operating_point(
     for k, value in values.items():
         if value:
             found[k] = replace(found[k], start=Value(Number(value), value))
+    for k, is_above in above.items():
+        branch = replace(found[k].branch, state="on" if is_above else "off")
+        found[k] = replace(found[k], branch=branch)
     return found
 
 
@@ -154,7 +158,11 @@ def _solve(
     texts: Texts,
     deck: Deck,
     parameters: Mapping[str, str | float],
-) -> dict[int, float]:
+) -> tuple[dict[int, float], dict[int, bool]]:
+    """Return what each C and L holds at rest, and on which side switches with two thresholds are.
+
+    Those are above them, or below; one that lies between keeps its side.
+    """
     from hybond.simulation import simulate
 
     names = GraphNames()
@@ -174,7 +182,8 @@ def _solve(
             model.signals[name] = text
             wanted[k] = name
     if not model.bonds or not wanted:
-        return {}
+        return {}, {}
+    settle_starts(model)
     run = simulate(model, until=1.0, solver="rk45")
     undetermined = {
         (end, name.rpartition(".")[2])
@@ -190,7 +199,17 @@ def _solve(
                 code="HB-F143",
                 hint=_remedy(deck, still, stores),
             )
-    return {k: _clean(float(run[name].at(0.0))) for k, name in wanted.items()}
+    closed = {
+        node
+        for machine, state in zip(run.graph.machines, run.events[0].steps[-1].mode, strict=True)
+        for node in (run.graph.nodes[n].path for n in machine.on[state])
+    }
+    above = {
+        k: (junction in closed) != switch.inverted
+        for k, junction in woven.junctions.items()
+        if (switch := still[k].switch) is not None and switch.on != switch.off
+    }
+    return {k: _clean(float(run[name].at(0.0))) for k, name in wanted.items()}, above
 
 
 def _read(text: str) -> set[tuple[str, str]]:
