@@ -194,6 +194,8 @@ class TestSources:
             ("EXP(1 -2 2m 1m 8m 3m)", None),
             ("PWL(1m 1 4m -2 4m 3 9m 0)", None),
             ("SFFM(1 2 100 3 20)", None),
+            ("SFFM(1 2 100 3 20 30 60)", None),
+            ("SFFM(1 2 100 3 20 0 -60)", None),
             ("DC 4 AC 1", None),
             ("PULSE(0 1 2m 1m)", None),
         ],
@@ -221,8 +223,10 @@ class TestSources:
                     return float(np.interp(t, [1e-3, 4e-3], [1, -2]))
                 return float(np.interp(t, [4e-3, 9e-3], [3, 0]))
             if source.startswith("SFFM"):
-                inner = 3 * math.sin(2 * math.pi * 20 * t)
-                return 1 + 2 * math.sin(2 * math.pi * 100 * t + inner)
+                words = [float(x) for x in source[5:-1].split()]
+                ahead, within = words[5:] or (0.0, 0.0)
+                inner = 3 * math.sin(2 * math.pi * 20 * t + within * deg)
+                return 1 + 2 * math.sin(2 * math.pi * 100 * t + ahead * deg + inner)
             if source.startswith("DC"):
                 return 4.0
             return float(np.interp(t, [2e-3, 3e-3], [0, 1]))

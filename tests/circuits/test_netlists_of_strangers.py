@@ -211,3 +211,93 @@ def test_switches_that_cross_at_one_gate_are_not_told_to_slide(read, rows):
     assert len(run.events) > 8
     assert not run.sliding
     assert not run.warnings
+
+
+@pytest.mark.parametrize(
+    ("card", "value"),
+    [
+        ("B1 b 0 V=V(a)+2", 2.0),
+        ("E1 b 0 POLY(1) a 0 2 1", 2.0),
+        ("B1 0 b I=2*cos(6*time)*exp(V(a))", 2.0),
+        ("B1 0 b I={k}", 2.0),
+        ("V2 b 0 SFFM(1 2 1k 2 100 30 0)", 2.0),  # 1 + 2 sin 30
+        ("B1 b 0 V=2/(1+V(c)/2)", math.sqrt(5.0) - 1.0),  # v (1 + v/2) = 2
+        ("B1 b 0 V=log(V(a))+2", None),
+        ("B1 0 b I=V(b)/2", 0.0),  # nothing drives it
+    ],
+)
+@pytest.mark.parametrize("side", ["c 0", "0 c"])
+def test_sources_that_compute_count_in_the_rest_a_circuit_starts_from(read, card, value, side):
+    """The sine is zero at the start, and the capacitor began with nothing."""
+    rows = ["V1 a 0 SIN(0 1 1k)", card, "R1 b 0 1", "R2 b c 1", f"C1 {side} 1u", ".param k=2"]
+    rows += [".tran 1u 2u"]
+    if value is None:
+        with pytest.raises(hb.HybondError):
+            read(*rows)
+        return
+    conversion = read(*rows)
+    start = float(hb.simulate(conversion.model)[conversion.signal("v(c)")].at(0.0))
+    assert start == pytest.approx(value, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "value"),
+    [
+        ("V(a) >= 0 ? 3 : 1", 3),
+        ("V(a) <= 0 ? 3 : 1", 3),
+        ("V(a) > 0 ? 3 : 1", 1),
+        ("V(a) < 0 ? 3 : 1", 1),
+        ("3*!(V(a) < 0)", 3),
+        ("0 >= V(0,a) ? 3 : 1", 3),
+    ],
+)
+def test_what_is_equal_at_rest_is_compared_as_it_is_written(read, law, value):
+    conversion = read(
+        "V1 a 0 SIN(0 1 1k)", f"B1 b 0 V={law}", "R2 b c 1", "C1 c 0 1u", ".tran 1u 1m"
+    )
+    start = float(hb.simulate(conversion.model)[conversion.signal("v(c)")].at(0.0))
+    assert start == pytest.approx(value)
+
+
+def test_rows_that_are_chosen_are_told_what_to_write(read):
+    with pytest.raises(hb.FileError, match=r"test.cir:3: rows that .if chooses") as told:
+        read("V1 a 0 3", ".if (sel == 1)", "R1 a 0 1", ".endif", ".tran 0 1m")
+    assert "write out the rows" in told.value.hint
+
+
+PLAIN = ".model plain SW(VT=1 RON=1)"
+HYSTERESIS = ".model hy SW(VT=5 VH=3 RON=1 ROFF=1g)"
+
+
+@pytest.mark.parametrize(
+    ("rows", "closed"),
+    [
+        # 4 V is between both thresholds; at 1.5 ms it dies away, and was e^37 times as much before
+        (["B1 c 0 V=(time<1.5m) ? 4 : 4*exp(-(time-1.5m)/40u)"], False),
+        (["B1 c 0 V=V(a)>1 ? 4 : 10"], False),
+        (["B1 c 0 V=V(a)>1 ? 10 : 4"], True),
+        (["B1 c 0 V=!(V(a)>1) ? 4 : 0", "R3 c 0 1"], False),
+        (["V3 p 0 10", "R3 p c 1k", "S2 c d a 0 plain", "R4 d 0 666", PLAIN], False),
+        (["S2 a d a 0 plain", "R4 d 0 1k", "B1 c 0 V=10-V(d)", PLAIN], False),
+    ],
+)
+def test_a_hysteresis_is_not_latched_by_what_a_comparison_is_before_it_looks(read, rows, closed):
+    """Comparisons began as not true, whatever they compare, and switches as open."""
+    rows = ["V1 a 0 5", "V2 s 0 1", *rows, "S1 s x c 0 hy", "R1 x 0 999", HYSTERESIS]
+    conversion = read(*rows, ".tran 10u 1m uic")
+    start = float(hb.simulate(conversion.model)[conversion.signal("v(x)")].at(1e-4))
+    assert start == pytest.approx(0.999 if closed else 0.0)
+
+
+@pytest.mark.parametrize("model", ["VT=5.5 VH=3 RON=1 ROFF=1g", "VT=5.5 VH=3 RON=1g ROFF=1"])
+def test_a_switch_begins_as_it_is_at_rest(read, model):
+    """It is closed with 5 V, between its thresholds; open it had 10 V.
+
+    It began open from 5 V on, went up to 8.5 V and fell.
+    """
+    conversion = read(
+        "V1 a 0 10", "R1 a x 1k", "S1 x y x 0 hy", "R2 y 0 999", "C1 x 0 1u",
+        f".model hy SW({model})", ".tran 10u 5m",
+    )  # fmt: skip
+    x = hb.simulate(conversion.model)[conversion.signal("v(x)")]
+    assert [float(x.at(t)) for t in (0.0, 1e-3, 5e-3)] == pytest.approx([5.0] * 3)

@@ -22,6 +22,7 @@ from hybond.circuits.notices import Line, Notice, Notices
 from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import GROUND, Opened, Value, global_value, open_deck
 from hybond.circuits.operating_point import operating_point
+from hybond.circuits.settled_starts import settle_starts
 from hybond.circuits.texts import Texts
 from hybond.circuits.wanting import all_wanted, values_of
 from hybond.circuits.waves import ZERO, Clock
@@ -338,6 +339,7 @@ class _Making:
             model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices
         )
         self.assembly.run()
+        settle_starts(model)
         if self.deck.transient is not None:
             model.experiment["until"] = _plain(self.stop)
             model.experiment["points"] = max(2, min(POINTS, self._steps()))

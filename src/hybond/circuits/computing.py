@@ -74,7 +74,7 @@ class Computing:
             machine = self.names.take(f"{owner}_comparison")
             self.model.machines[machine] = MachinePart(
                 {"no": (), "yes": ()},
-                "no",
+                "yes" if "=" in op else "no",  # as it starts if both sides are equal
                 (
                     f"no -> yes when {Compare(_UP[op], comparison.left, comparison.right)}",
                     f"yes -> no when {Compare(_DOWN[op], comparison.left, comparison.right)}",

@@ -247,6 +247,13 @@ class _Reader:
                     self.analyses.append(line)
                 if _LEFT_OUT[word]:
                     self.notices.add(line, _LEFT_OUT[word])
+            case "if" | "elseif" | "elif" | "else" | "endif":
+                raise line.refuse(
+                    f"rows that .{word} chooses are not read",
+                    code="HB-F137",
+                    hint="write out the rows of the branch that is taken, without .if; a value "
+                    "may choose by itself: R1 a b {sel == 1 ? 1k : 2k}",
+                )
             case _:
                 near = did_you_mean(f".{word}", _COMMANDS)
                 raise line.refuse(

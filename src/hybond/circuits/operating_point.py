@@ -2,8 +2,9 @@
 
 At rest no current flows through a capacitor and no voltage drops across a coil. So a current source
 of zero stands for each C, a voltage source of zero for each L, and what remains is a circuit
-without storage, whose diodes and switches are settled as any others. Where its solution is not the
-only one, the start is not a matter of the circuit, and the netlist has to say it.
+without storage, whose diodes and switches are settled as any others. Sources that compute do so
+of what is there at rest, at t = 0. Where its solution is not the only one, the start is not a
+matter of the circuit, and the netlist has to say it.
 """
 
 from __future__ import annotations
@@ -12,11 +13,14 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from hybond.circuits.behaviour import PLACE
 from hybond.circuits.deck import Deck
+from hybond.circuits.formulas import evaluate
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND, Branch, Value
+from hybond.circuits.settled_starts import settle_starts
 from hybond.circuits.texts import Texts
 from hybond.circuits.waves import Drive
 from hybond.circuits.weaving import ends_of, weave
@@ -25,7 +29,7 @@ from hybond.circuits.woven import written
 from hybond.errors import FileError, HybondError
 from hybond.files.place import shortened
 from hybond.model.builder import Model
-from hybond.model.expressions import Number
+from hybond.model.expressions import Number, substitute
 
 LARGEST = 1000
 """Elements of a circuit whose rest is computed: all at once, with dense matrices."""
@@ -62,7 +66,7 @@ def operating_point(
     """
     cleared = [replace(leaf, start=None) for leaf in leaves]
     stores = [k for k, leaf in enumerate(leaves) if leaf.role == "C" or _is_coil(leaf)]
-    driven = any(leaf.drive is not None and leaf.drive.initial for leaf in leaves)
+    driven = any(_drives(leaf) for leaf in leaves)
     if not stores or (not driven and not forced):
         return cleared  # nothing drives it: it is at rest with nothing stored
     if len(leaves) > LARGEST:
@@ -71,7 +75,7 @@ def operating_point(
     still = [_at_rest(leaf) for leaf in cleared]
     still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
     try:
-        values = _solve(still, stores, numbers, shown, texts, deck, parameters)
+        values, above = _solve(still, stores, numbers, shown, texts, deck, parameters)
     except FileError:
         raise
     except HybondError as error:
@@ -81,6 +85,9 @@ def operating_point(
     for k, value in values.items():
         if value:
             found[k] = replace(found[k], start=Value(Number(value), value))
+    for k, is_above in above.items():
+        branch = replace(found[k].branch, state="on" if is_above else "off")
+        found[k] = replace(found[k], branch=branch)
     return found
 
 
@@ -105,8 +112,26 @@ def _is_coil(leaf: Leaf) -> bool:
     return leaf.role == "I" or (winding is not None and winding.core.inductance is not None)
 
 
+def _drives(leaf: Leaf) -> bool:
+    """Whether a branch gives anything at t = 0 where nothing else does."""
+    if leaf.drive is not None:
+        return leaf.drive.initial != 0.0
+    law = leaf.branch.law
+    if law is None or leaf.role == "R":
+        return False
+    nothing = {"time": 0.0} | {f"{PLACE}{k}": 0.0 for k in range(len(law.reads))}
+    try:
+        return evaluate(law.formula, nothing) != 0.0
+    except (KeyError, ArithmeticError, ValueError):
+        return True  # a parameter, or no value at zero: the circuit tells
+
+
 def _at_rest(leaf: Leaf) -> Leaf:
     """Return what stands for a branch at rest at t = 0."""
+    law = leaf.branch.law
+    if law is not None:
+        law = replace(law, formula=substitute(law.formula, {"time": Number(0.0)}))
+        return replace(leaf, branch=replace(leaf.branch, law=law))
     if leaf.role == "C":
         return replace(leaf, role="Sf", text="0 A", drive=Drive("0 A", None, 0.0, True))
     if _is_coil(leaf):
@@ -132,7 +157,11 @@ def _solve(
     texts: Texts,
     deck: Deck,
     parameters: Mapping[str, str | float],
-) -> dict[int, float]:
+) -> tuple[dict[int, float], dict[int, bool]]:
+    """Return what each C and L holds at rest, and on which side switches with two thresholds are.
+
+    Those are above them, or below; one that lies between keeps its side.
+    """
     from hybond.simulation import simulate
 
     names = GraphNames()
@@ -152,7 +181,8 @@ def _solve(
             model.signals[name] = text
             wanted[k] = name
     if not model.bonds or not wanted:
-        return {}
+        return {}, {}
+    settle_starts(model)
     run = simulate(model, until=1.0, solver="rk45")
     undetermined = {
         (end, name.rpartition(".")[2])
@@ -168,7 +198,17 @@ def _solve(
                 code="HB-F143",
                 hint=_remedy(deck, still, stores),
             )
-    return {k: _clean(float(run[name].at(0.0))) for k, name in wanted.items()}
+    closed = {
+        node
+        for machine, state in zip(run.graph.machines, run.events[0].steps[-1].mode, strict=True)
+        for node in (run.graph.nodes[n].path for n in machine.on[state])
+    }
+    above = {
+        k: (junction in closed) != switch.inverted
+        for k, junction in woven.junctions.items()
+        if (switch := still[k].switch) is not None and switch.on != switch.off
+    }
+    return {k: _clean(float(run[name].at(0.0))) for k, name in wanted.items()}, above
 
 
 def _read(text: str) -> set[tuple[str, str]]:

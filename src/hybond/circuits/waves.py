@@ -228,6 +228,15 @@ def _angle(frequency: Value, since: str, texts: Texts) -> str:
     return f"2*pi*{texts.factor(frequency, 'Hz')}*{since}"
 
 
+def _turn(phase: Value, texts: Texts) -> str:
+    """Return a phase in degrees, to be added to an angle."""
+    if phase.parametric:
+        return f" + {texts.factor(phase, '')}*pi/180"
+    if not phase.number:
+        return ""
+    return f" {'-' if phase.number < 0 else '+'} {short(abs(phase.number))}*pi/180"
+
+
 def _offset(value: Value, texts: Texts, unit: str) -> str:
     return f"{texts.factor(value, unit)} + " if value.number or value.parametric else ""
 
@@ -249,11 +258,7 @@ def _sine(branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, 
             raise _impossible(branch, "the sine has no frequency", "give it, or .tran")
         frequency = Value(Number(1.0 / clock.stop.number), 1.0 / clock.stop.number)
     since = _since(delay, texts)
-    turn = ""
-    if phase.parametric:
-        turn = f" + {texts.factor(phase, '')}*pi/180"
-    elif phase.number:
-        turn = f" {'-' if phase.number < 0 else '+'} {short(abs(phase.number))}*pi/180"
+    turn = _turn(phase, texts)
     wave = f"{texts.factor(size, unit)}*sin({_angle(frequency, since, texts)}{turn})"
     if damping.parametric:
         wave += f"*exp(-{texts.factor(damping, '')}*{since}/(1 s))"
@@ -356,7 +361,7 @@ def _repeated(
 def _modulated(
     branch: Branch, given: tuple[Value, ...], texts: Texts, clock: Clock, unit: str
 ) -> Drive:
-    _counted(branch, given, 2, 5)
+    _counted(branch, given, 2, 7)
     stop = 1.0 / clock.stop.number if clock.stop.number else 0.0
     default = Value(Number(stop), stop)
     carrier, index, signal = (
@@ -364,9 +369,14 @@ def _modulated(
         _pick(given, 3, ZERO),
         _pick(given, 4, default),
     )
-    inner = f"{texts.factor(index, '')}*sin({_angle(signal, 'time', texts)})"
-    wave = f"{texts.factor(given[1], unit)}*sin({_angle(carrier, 'time', texts)} + {inner})"
-    return Drive(f"{_offset(given[0], texts, unit)}{wave}", None, given[0].number, False)
+    turns = [_pick(given, k, ZERO) for k in (5, 6)]
+    ahead, within = (_turn(phase, texts) for phase in turns)
+    inner = f"{texts.factor(index, '')}*sin({_angle(signal, 'time', texts)}{within})"
+    wave = f"{texts.factor(given[1], unit)}*sin({_angle(carrier, 'time', texts)}{ahead} + {inner})"
+    angle, other = (math.radians(phase.number) for phase in turns)
+    first = given[1].number * math.sin(angle + index.number * math.sin(other))
+    text = f"{_offset(given[0], texts, unit)}{wave}"
+    return Drive(text, None, given[0].number + first, False)
 
 
 def _amplitude(branch: Branch, given: tuple[Value, ...], texts: Texts, unit: str) -> Drive:

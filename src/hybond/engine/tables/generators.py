@@ -50,6 +50,10 @@ CONSTANT: Key = (0j, 0.0, ())
 TIME: Key = (0j, 0.0, ("time",))
 HIGHEST = 8
 """Degree of a monomial."""
+WHILE = "at:"
+"""How names of comparisons of time begin: 1 while they hold, else 0, between two timed events."""
+UNLESS = "not at:"
+"""How those of their opposites do."""
 
 
 def constant(value: float) -> Terms:
@@ -125,7 +129,7 @@ def _chosen(below: list[Found]) -> Found:
         return "a condition that varies"
     if isinstance(then, str) or isinstance(orelse, str):
         return then if isinstance(then, str) else orelse
-    chosen = _product(condition, then), _product(_opposite(condition), orelse)
+    chosen = _product(condition, then), _product(_otherwise(condition, orelse), orelse)
     refused = next((c for c in chosen if isinstance(c, str)), None)
     return refused or combined((1.0, c) for c in chosen if isinstance(c, dict))
 
@@ -136,11 +140,41 @@ def _is_truth(terms: Terms) -> bool:
 
 
 def _held(names: tuple[str, ...]) -> bool:
-    return all(name.startswith("at:") for name in names)
+    return all(name.startswith((WHILE, UNLESS)) for name in names)
+
+
+def _otherwise(condition: Terms, orelse: Terms) -> Terms:
+    """Return the opposite of a condition, as a factor of the other branch.
+
+    An exponential that has yet to begin, or is over, may be beyond all others: less itself it would
+    leave its rounding, so there the opposite is a factor that is zero. What else moves with time is
+    taken off what it is all the time, which makes fewer generators.
+    """
+    if any(rate.real or shift for rate, shift, _ in orelse):
+        return _opposite(condition)
+    return combined([(1.0, constant(1.0)), (-1.0, condition)])
 
 
 def _opposite(terms: Terms) -> Terms:
-    return combined([(1.0, constant(1.0)), (-1.0, terms)])
+    """Return the opposite of a truth, as products of which no two are 1 at one time."""
+    if any(c != 1.0 for c in terms.values()):
+        return combined([(1.0, constant(1.0)), (-1.0, terms)])
+    found = constant(1.0)
+    for _, _, names in terms:
+        # not a; a, but not b; a and b, but not c; ...
+        parts: Terms = {
+            (0j, 0.0, tuple(sorted((*names[:k], _turned(name))))): 1.0
+            for k, name in enumerate(names)
+        }
+        both = _product(found, parts)
+        if isinstance(both, str):
+            return combined([(1.0, constant(1.0)), (-1.0, terms)])
+        found = both
+    return found
+
+
+def _turned(name: str) -> str:
+    return WHILE + name[len(UNLESS) :] if name.startswith(UNLESS) else f"not {name}"
 
 
 def _connected(parts: list[Terms], *, every: bool) -> Found:
@@ -209,11 +243,12 @@ def _product(a: Terms, b: Terms) -> Found:
             if len(one) + len(other) > HIGHEST:
                 return "a product of too many factors that vary"
             both = one + other
-            if any(name.startswith("at:") for name in other):
-                # what is 0 or 1 is its own square
-                both = tuple(n for n in both if not n.startswith("at:")) + tuple(
-                    {n for n in both if n.startswith("at:")}
-                )
+            truths = {n for n in both if n.startswith((WHILE, UNLESS))}
+            if truths:
+                # what is 0 or 1 is its own square, and with its opposite nothing
+                if any(_turned(n) in truths for n in truths):
+                    continue
+                both = tuple(n for n in both if n not in truths) + tuple(truths)
             key = (rate + other_rate, shift + other_shift, tuple(sorted(both)))
             found[key] = found.get(key, 0.0) + c * d
     return {key: c for key, c in found.items() if c}
@@ -343,7 +378,7 @@ def _lower(key: Key, rate_of: Callable[[str], str | None]) -> list[Key]:
 
 def _expressions(key: Key) -> list[Expr]:
     rate, shift, names = key
-    factors: list[Expr] = [Name(name) for name in names]
+    factors = [_factor(name) for name in names]
     time = Name("time")
     if rate.real or shift:
         grows = Binary("+", Binary("*", Number(rate.real), time), Number(shift))
@@ -352,6 +387,12 @@ def _expressions(key: Key) -> list[Expr]:
         return [_times(factors)]
     turned = Binary("*", Number(rate.imag), time)
     return [_times([*factors, Call(f, (turned,))]) for f in ("cos", "sin")]
+
+
+def _factor(name: str) -> Expr:
+    if name.startswith(UNLESS):
+        return Binary("-", Number(1.0), Name(_turned(name)))
+    return Name(name)
 
 
 def _times(factors: list[Expr]) -> Expr:
