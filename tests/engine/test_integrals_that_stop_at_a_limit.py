@@ -6,6 +6,8 @@ The oracle is SciPy's integrator, one mode after the other, with the jump as its
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from scipy.integrate import solve_ivp
 
@@ -68,3 +70,34 @@ def test_an_integral_that_stops_by_radau(case, stops):
         assert run["z"].at(at) == pytest.approx(sign * integral, rel=1e-7), until
         assert run["k.q"].at(at) == pytest.approx(sign * way, rel=1e-7), until
         assert run["x.f"].at(at) == pytest.approx(sign * speed, abs=1e-7), until
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("gain", "lag", "level"), [(1, 1.0, 0.1), (10, 1.0, 0.3), (30, 0.3, 0.5)])
+def test_an_integral_let_go_from_a_limit_of_zero(
+    sign: int, gain: float, lag: float, level: float
+) -> None:
+    """It waited below zero by 1e-13, and steps seemed to see it pass: HB-N410 in 15 runs of 36.
+
+    Let go where ``cos 3t`` rises past ``-level``, it is a lag driven by a cosine.
+    """
+    m = hb.Model("stopped")
+    m.signal(
+        c=hb.Integral("-3*s", start=1.0),
+        s=hb.Integral("3*c"),
+        u=f"({sign * gain}*(c + {level}) - z)/{lag}",
+        z=hb.Integral(f"if {sign}*z <= 0 and {sign}*u < 0 then 0 else u", start=sign * 0.5),
+    )
+    free = (2.0 * math.pi - math.acos(-level)) / 3.0
+    if level == 0.5:
+        free += 2.0 * math.pi / 3.0  # held once more
+
+    def driven(t: float) -> float:
+        swing = math.cos(3.0 * t) + 3.0 * lag * math.sin(3.0 * t)
+        return gain * (level + swing / (1.0 + 9.0 * lag**2))
+
+    run = hb.simulate(m, until=free + 0.8)
+    for t in (free + 0.1, free + 0.8):
+        want = driven(t) - driven(free) * math.exp((free - t) / lag)
+        assert run["z"].at(t) == pytest.approx(sign * want, rel=1e-6)
+    assert run["z"].at(free - 0.01) == pytest.approx(0.0, abs=1e-9 * gain)

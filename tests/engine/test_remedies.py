@@ -247,3 +247,26 @@ def test_a_freewheeling_junction_by_rules_is_told_of_the_law(rules: str, *, turn
         # the mean of what is behind the coil is half of 24 V where its current never ends
         v = run["c.e"].at(np.linspace(1.9e-3, 2e-3, 1001)[:-1])
         assert np.mean(v) == pytest.approx(12.0, rel=1e-3)
+
+
+def test_a_toggle_by_one_guard_gets_states_between() -> None:
+    """It was told to write a guard that never holds: ``X and not (X)``."""
+    up = "mod(time, 1) >= 0.5"
+    rules = [f"a -> b when {up}", f"b -> a when {up}"]
+    flat = hb.Model("toggle")
+    flat.machine("k", states={"a": [], "b": []}, start="a", rules=rules)
+    hint = refusal(flat, "HB-N401").hint
+    assert hint is not None
+    assert hint.endswith(f"lead to states of their own, left when not ({up})")
+    between = hb.Model("toggle")
+    between.machine(
+        "k",
+        states={"a": [], "to_b": [], "b": [], "to_a": []},
+        start="a",
+        rules=[
+            *(f"{s} -> to_{t} when {up}" for s, t in ("ab", "ba")),
+            *(f"to_{s} -> {s} when not ({up})" for s in "ab"),
+        ],
+    )
+    run = hb.simulate(between, 2.2)
+    assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0], abs=1e-12)

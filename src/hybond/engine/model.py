@@ -224,6 +224,7 @@ class Model:
     bend_first: Ints
     """Of each group: values that change their sign where a law of it has a kink or a jump."""
     bend_value: Ints
+    energy_law: Ints  # of each group: its energy from zero on in closed form, -1: not known
 
     # where power enters and leaves, over bonds on which effort times flow is power
     suppliers: int  # bonds of sources

@@ -250,6 +250,11 @@ def _levels(fired: list[Fired]) -> str:
     if not values or len(fired) != 2 or fired[0].machine != fired[1].machine:
         return ""
     back, again = fired[0].guard, fired[1].guard
+    if back == again:
+        return (
+            "guards are levels, and one holds both ways at once: let it lead to states of their "
+            f"own, left when not ({again})"
+        )
     again = f"({again})" if " or " in again else again
     return (
         "guards are levels, and these hold at once: write "

@@ -22,7 +22,7 @@ from hybond.engine.run.guard_at_kink import (
     last_before_kink,
     some_guard_holds,
 )
-from hybond.engine.run.kinks_passed import count_kink, end_at_kink, stuck_at_kink
+from hybond.engine.run.kinks_passed import count_kink, end_at_kink, is_in_vain, stuck_at_kink
 from hybond.engine.run.log import report_step
 from hybond.engine.run.noted import note
 from hybond.engine.run.roots_reached import rest_at_roots
@@ -32,18 +32,28 @@ from hybond.engine.words import Floats
 
 DOUBLED: Final = 16
 """Times that the way back from a kink is doubled: it is found where it is past by rounding."""
+SHORTER: Final = 0.25
+"""Part of a step that saw a kink where there was none that the next one may be."""
 ANEW: Final = -2
 """A step has ended, and the next begins anew behind it."""
 
 
 def pass_kink(e: Engine, r: Run, at: float) -> int:
     """End the step at a kink and begin behind it: ANEW; LAW if it jumps, -1 if the run stops."""
+    tried = e.step.t1 - e.step.t0
     if end_at_kink(e, r, at) != OK:
         return -1
     if jumps_onto_storage(e, r, at):
         report_step(e, r.report)
         return LAW if count_kink(e, r) == OK else -1
-    return leave_or_go(e, r, at)
+    vain = is_in_vain(e, r)
+    if vain:
+        r.jumps = False
+        r.leads_back = False
+    found = leave_or_go(e, r, at)
+    if found == ANEW and vain:
+        e.step.h = min(e.step.h, SHORTER * tried)
+    return found
 
 
 def leave_or_go(e: Engine, r: Run, at: float) -> int:

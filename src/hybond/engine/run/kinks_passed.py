@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.pairs import ROUNDING
@@ -40,6 +41,8 @@ FEW_STEPS: Final = 3
 DENSE: Final = 32
 """... if that goes on for so many kinks: what a law like a root has brought to rest swings about
 zero by the error of the steps, which sees what the kink does."""
+NO_NEARER: Final = 0.5
+"""Part of the way to a kink that is left behind a step which has led to it in vain."""
 CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 ASIDE: Final = 0.25
@@ -86,6 +89,25 @@ def out_of_sight(e: Engine, before: float, behind: float, room: float) -> float:
     seen = made != OK or e.step.off > 1.0
     e.refusal = refusal
     return before if seen else behind - way
+
+
+def is_in_vain(e: Engine, r: Run) -> bool:
+    """Whether a step has ended at a jump that seemed to lead back, and has come no nearer to it.
+
+    What waits at a limit by next to nothing, as an integral that has stopped there, seems to pass
+    it in a step that reaches over where it is let go: what the polynomial is off by does that.
+    """
+    if not (r.jumps and r.leads_back) or r.kink < 0:
+        return False
+    g = r.locator
+    atom = e.model.atom_value[e.model.kink_atom + r.kink]
+    refusal = e.refusal
+    copy_floats(e.states, e.step.y0, g.y)
+    before = compared(e, g, atom, e.step.t0)
+    copy_floats(e.states, e.step.y1, g.y)
+    after = compared(e, g, atom, e.step.t1)
+    e.refusal = refusal
+    return before * after > 0.0 and math.fabs(after) > NO_NEARER * math.fabs(before)
 
 
 def carry_over_kink(e: Engine, r: Run, h: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.start import start_of
+from hybond.equations.antiderivative import energy_in_waves
 from hybond.equations.rounding import rounding
 from hybond.equations.storage import EXACT, gauss, polynomial_degree, stiffness, stored_names
 from hybond.model.expressions import Binary, Expr, Name, Neg, Number, substitute, turning
@@ -38,6 +39,7 @@ def put_storages(t: ModelTables) -> None:
     groups: dict[int, list[int]] = {}
     degrees: dict[int, int | None] = {}
     together: dict[int, list[Storage]] = {}
+    energies: dict[int, int] = {}
     for s in g.storages:
         together.setdefault(s.node, []).append(s)
     for s in g.storages:
@@ -52,6 +54,8 @@ def put_storages(t: ModelTables) -> None:
         law = substitute(node.law.expressions[s.port], stored_names(node, g, siblings))
         laws.append(t.values.number(law, f"law of {node.path}"))
         groups.setdefault(s.node, []).append(s.index)
+        whole = energy_in_waves(law, f"x:{s.index}") if len(siblings) == 1 else None
+        energies[s.node] = -1 if whole is None else t.values.number(whole)
         kinks.setdefault(s.node, []).extend((t.values.number(e),) for e in turning(law))
         degree, before = polynomial_degree(law), degrees.get(s.node, 0)
         degrees[s.node] = None if degree is None or before is None else max(degree, before)
@@ -68,6 +72,7 @@ def put_storages(t: ModelTables) -> None:
         points.append(list(zip(*gauss((degree or 0) // 2 + 1), strict=True)) if exact else [])
     put_rows(t, "point_first", points, point_at=FLOATS, point_weight=FLOATS)
     put_rows(t, "bend_first", [kinks[node] for node in groups], bend_value=INTS)
+    t.ints["energy_law"] = [energies[node] for node in groups]
 
 
 def _rounding(t: ModelTables, law: int) -> int:

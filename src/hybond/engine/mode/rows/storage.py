@@ -243,6 +243,12 @@ def energy_along(e: Engine, g: int, x: Floats) -> float:
     """Integrate ``z dx`` of a storage from its origin along a ray."""
     m = e.model
     e.work.origin = 0.0
+    if m.energy_law[g] >= 0:
+        # sines of what is stored: points would follow every turn of it
+        place_along(e, g, x, 1.0)
+        known = value(m, m.energy_law[g], e.work.values)
+        if math.isfinite(known):
+            return known
     first = m.point_first[g]
     points = m.point_first[g + 1] - first
     total = 0.0

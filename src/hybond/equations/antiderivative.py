@@ -1,0 +1,108 @@
+"""The energy of a storage in closed form, where its law goes to and fro for ever.
+
+A pendulum that turns over, or a magnet that pulls at each tooth, has a law that is a sum of sines
+of what it stores. A formula with points would need more of them with every turn.
+"""
+
+from __future__ import annotations
+
+from hybond.model.expressions import Binary, Call, Expr, Name, Neg, Number, names
+from hybond.model.expressions.slots import is_slotted
+from hybond.model.expressions.tree import walk
+
+Line = tuple[Expr, Expr]
+
+
+def energy_in_waves(law: Expr, name: str) -> Expr | None:
+    """Return the integral of a law from zero to `name`, None if no wave is in it, or aught else.
+
+    Waves are sines and cosines of a straight line; powers may stand beside them. A difference of
+    two cosines is written as a product, which has its digits near zero, too.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> str(energy_in_waves(parse("3*sin(2*q)"), "q"))
+    '3*(2*sin(2*q/2)*sin(2*q/2 + 0)/2)'
+    >>> energy_in_waves(parse("3*q^2"), "q"), energy_in_waves(parse("sin(q^2)"), "q")
+    (None, None)
+    """
+    if not any(_is_wave(part, name) for part, _ in walk(law)):
+        return None
+    return _integral(law, name)
+
+
+def _is_wave(e: Expr, name: str) -> bool:
+    return isinstance(e, Call) and e.function in ("sin", "cos") and name in names(e)
+
+
+def _integral(e: Expr, name: str) -> Expr | None:
+    x = Name(name)
+    if name not in names(e):
+        return Binary("*", e, x)
+    match e:
+        case Name():
+            return Binary("/", Binary("*", x, x), Number(2.0))
+        case Neg(arg):
+            one = _integral(arg, name)
+            return None if one is None else Neg(one)
+        case Binary(op="+" | "-" as op, left=left, right=right):
+            one, other = _integral(left, name), _integral(right, name)
+            return None if one is None or other is None else Binary(op, one, other)
+        case Binary(op="*", left=left, right=right) if name not in names(left):
+            one = _integral(right, name)
+            return None if one is None else Binary("*", left, one)
+        case Binary(op="*" | "/" as op, left=left, right=right) if name not in names(right):
+            one = _integral(left, name)
+            return None if one is None else Binary(op, one, right)
+        case Binary(op="^", left=Name(), right=Number(degree)) if not is_slotted(degree):
+            up = Number(degree + 1.0)
+            whole = degree >= 2.0 and degree == int(degree)
+            return Binary("/", Binary("^", x, up), up) if whole else None
+        case Call(function="sin" | "cos" as wave, args=(arg,)):
+            line = _line(arg, name)
+            return None if line is None else _of_wave(wave, line, x)
+    return None
+
+
+def _of_wave(wave: str, line: Line, x: Expr) -> Expr:
+    """Return that of ``wave(slope*x + offset)``: ``2 sin(s x/2) wave(s x/2 + offset)/s``."""
+    slope, offset = line
+    half = Binary("/", Binary("*", slope, x), Number(2.0))
+    middle = Call(wave, (Binary("+", half, offset),))
+    product = Binary("*", Binary("*", Number(2.0), Call("sin", (half,))), middle)
+    return Binary("/", product, slope)
+
+
+def _line(e: Expr, name: str) -> Line | None:
+    """Return slope and offset of a straight line, None if it is none."""
+    if name not in names(e):
+        return Number(0.0), e
+    match e:
+        case Name():
+            return Number(1.0), Number(0.0)
+        case Neg(arg):
+            line = _line(arg, name)
+            return None if line is None else (Neg(line[0]), Neg(line[1]))
+        case Binary(op="+" | "-" as op, left=left, right=right):
+            one, other = _line(left, name), _line(right, name)
+            if one is None or other is None:
+                return None
+            if name not in names(right):
+                return one[0], Binary(op, one[1], right)
+            if name not in names(left):
+                return (other[0] if op == "+" else Neg(other[0])), Binary(op, left, other[1])
+            return Binary(op, one[0], other[0]), Binary(op, one[1], other[1])
+        case Binary(op="*", left=left, right=right) if name not in names(left):
+            line = _line(right, name)
+            return None if line is None else _scaled(line, "*", left)
+        case Binary(op="*" | "/" as op, left=left, right=right) if name not in names(right):
+            line = _line(left, name)
+            return None if line is None else _scaled(line, op, right)
+    return None
+
+
+def _scaled(line: Line, op: str, by: Expr) -> Line:
+    slope, offset = line
+    one: Expr = by if op == "*" and slope == Number(1.0) else Binary(op, slope, by)
+    return one, offset if offset == Number(0.0) else Binary(op, offset, by)
