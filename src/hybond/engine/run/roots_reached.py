@@ -127,6 +127,8 @@ def speed_of(e: Engine, r: Run, atom: int, y: Floats, here: float) -> float:
     if most == 0.0:
         return 0.0
     h = SHORT / most
+    if h == 0.0:
+        return math.nan  # what is next to nothing moves at once
     for i in range(e.states):
         r.locator.y[i] = y[i] + h * r.rate[i]
     return (compared(e, r.locator, atom, e.t) - here) / h
