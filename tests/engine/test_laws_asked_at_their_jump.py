@@ -5,6 +5,8 @@ What drives is less than the jump holds, so nothing flows, or no effort is left;
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from in_orders import in_orders
 
@@ -63,3 +65,23 @@ def test_sources_that_part_are_said_to_whatever_friction_does_there() -> None:
         with pytest.raises(HybondError) as found:
             hb.simulate(m, 1.5)
         assert found.value.code == "HB-C101"
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_a_flow_that_a_source_is_part_of_is_held_in_any_order(solver: str) -> None:
+    """The valve takes all that the source gives: what is left for friction is nothing.
+
+    That is the difference of two flows, of which one is known.
+    """
+    parts = {
+        **{"F": hb.Sf("0.951*sin(0.791*time)"), "n": hb.Zero(), "j": hb.One()},
+        **{"valve": hb.R({"e": "if f > 0 then 46.6*f else 0"}), "k": hb.R({"e": "1.01*sign(f)"})},
+        **{"g": hb.G(192.2), "i": hb.I(0.0023)},
+    }
+    bonds = ["n -> j", "n -> F", "i -> n", "g -> j", "j -> k", "valve -> n"]
+    for m in in_orders(parts, bonds):
+        run = hb.simulate(m, 0.031, solver=solver)
+        assert run["k.f"].at(0.03) == 0.0
+        assert run["i.p"].at(0.03) == 0.0
+        valve = math.fabs(run["valve.f"].at(0.03))
+        assert valve == pytest.approx(0.951 * math.sin(0.791 * 0.03), rel=1e-12)

@@ -81,7 +81,8 @@ def out_of_sight(e: Engine, before: float, behind: float, room: float) -> float:
     One at the end of the step may be a last place beyond what is compared at that time.
     """
     refusal = e.refusal
-    way = behind - before
+    # where nothing that is compared shows the jump, what is behind may be where the step ends
+    way = max(behind - before, LAST_PLACES * spacing(behind))
     made = OK
     while made == OK and e.step.off > 1.0 and 2.0 * way <= room and behind - 2.0 * way > e.step.t0:
         way = 2.0 * way

@@ -76,12 +76,28 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
         beside = leads_to_rest(e, r, atom, away)
         if beside == 0.0 or not is_within_error(e, r):
             return False
+    seen = time_to_see(e, r)
     stands = STANDS if atom == kink else STILL
     # a law that is flat at rest has many roots there but for rounding, beside it the last one
     e.mode.guessed = False
     rests = field(e, e.mode, e.t, r.after, r.rate) == OK
     left = at_state(e, r, atom, r.after)
-    return rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside)
+    most = stands * math.fabs(beside)
+    # explicit steps would go to and fro about it all the same: put at rest, they are seen as stiff
+    if rests and by_radau(e) and is_moved_on(e, r, atom, left, seen, most):
+        return False
+    return rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= most
+
+
+def is_moved_on(e: Engine, r: Run, atom: int, left: float, h: float, most: float) -> bool:
+    """Whether what is compared leaves rest with time alone, in `h`, faster than `most`.
+
+    A source moves such a rest: what follows it lags behind by what moves it on, and put at rest
+    would begin anew with each step.
+    """
+    for i in range(e.states):
+        r.locator.y[i] = r.after[i]
+    return math.fabs(compared(e, r.locator, atom, e.t + h) - left) > most * h
 
 
 def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:
@@ -118,16 +134,23 @@ def is_within_error(e: Engine, r: Run) -> bool:
 
 def speed_of(e: Engine, r: Run, atom: int, y: Floats, here: float) -> float:
     """Return how fast what is compared moves from a state by the rates in `r.rate`."""
+    h = time_to_see(e, r)
+    if h == math.inf:
+        return 0.0
+    if h == 0.0:
+        return math.nan  # what is next to nothing moves at once
+    for i in range(e.states):
+        r.locator.y[i] = y[i] + h * r.rate[i]
+    return (compared(e, r.locator, atom, e.t) - here) / h
+
+
+def time_to_see(e: Engine, r: Run) -> float:
+    """Return the time in which the rates in `r.rate` move a small part of what is stored."""
     most = 0.0
     for i in range(e.states):
         if r.rate[i] != 0.0 and e.y[i] != 0.0:
             most = max(most, math.fabs(r.rate[i]) / math.fabs(e.y[i]))
-    if most == 0.0:
-        return 0.0
-    h = SHORT / most
-    for i in range(e.states):
-        r.locator.y[i] = y[i] + h * r.rate[i]
-    return (compared(e, r.locator, atom, e.t) - here) / h
+    return SHORT / most if most > 0.0 else math.inf
 
 
 def at_state(e: Engine, r: Run, atom: int, y: Floats) -> float:

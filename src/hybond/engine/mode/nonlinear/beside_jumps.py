@@ -52,12 +52,16 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         known = e.work.base[k]
         if is_level(e, mode, v, e.work.base, k):
             put_level(e, mode, e.work.base, k)
-        j = free_alone(mode, k, e.work.base)
+        j = free_alone(mode, k)
         # above the jump, below it, at the jump itself
         for turn in range(0 if j == NO_FREE else 6 if mode.guessed else 3):
             way = 1.0 if turn % 3 == 0 else -1.0 if turn % 3 == 1 else 0.0
+            # beside what is known, next to nothing is nothing
+            at = beside(mode, k, j, e.work.base, way)
+            if way != 0.0 and at == beside(mode, k, j, e.work.base, 0.0):
+                continue
             from_guess = mode.guessed and turn < 3
-            if holds_beside(e, mode, v, r, i, j, way, from_guess):
+            if holds_beside(e, mode, v, r, i, j, at, from_guess):
                 return True
         for b in range(k, 2 * m.bonds):
             if mode.same[b] == k:
@@ -65,14 +69,12 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     return False
 
 
-def free_alone(mode: Mode, k: int, base: Floats) -> int:
-    """Return the free unknown that bond variable k is a multiple of, or NO_FREE.
+def free_alone(mode: Mode, k: int) -> int:
+    """Return the free unknown that bond variable k goes with, beside what is known, or NO_FREE.
 
     Of a flow that passes through several elements one stands for all, whichever it is.
     """
     found = NO_FREE
-    if base[k] != 0.0:
-        return NO_FREE
     for j in range(mode.finite_frees):
         if mode.finite_free.at[k * mode.finite_frees + j] != 0.0:
             if found != NO_FREE:
@@ -81,10 +83,15 @@ def free_alone(mode: Mode, k: int, base: Floats) -> int:
     return found
 
 
+def beside(mode: Mode, k: int, j: int, base: Floats, way: float) -> float:
+    """Return unknown j where bond variable k is zero, or that way beside it next to nothing."""
+    return way * NEXT_TO_NOTHING - base[k] / mode.finite_free.at[k * mode.finite_frees + j]
+
+
 def holds_beside(
-    e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, way: float, from_guess: bool
+    e: Engine, mode: Mode, v: Floats, r: Floats, i: int, j: int, at: float, from_guess: bool
 ) -> bool:
-    """Whether all laws hold where unknown j, which law i jumps with, is next to nothing, or zero.
+    """Whether all laws hold where unknown j, which law i jumps with, is at or beside the jump.
 
     What else is free follows from the other laws.
     """
@@ -92,7 +99,7 @@ def holds_beside(
     frees = mode.finite_frees
     for k in range(frees):
         r[k] = mode.guess.at[k] if from_guess else 0.0
-    r[j] = way * NEXT_TO_NOTHING
+    r[j] = at
     found = False
     for _ in range(TURNS):
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)

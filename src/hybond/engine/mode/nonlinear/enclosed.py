@@ -45,7 +45,8 @@ def enclosed(e: Engine, mode: Mode, v: Floats, r: Floats, begin: float) -> bool:
     here = residual_at(e, mode, v, r, begin)
     if here != here or here == 0.0:
         return False
-    step = FIRST * math.fabs(begin) if begin != 0.0 else LEAST
+    # a part of next to nothing may be zero, and would never grow
+    step = max(FIRST * math.fabs(begin), LEAST)
     up = begin
     down = begin
     above = True
