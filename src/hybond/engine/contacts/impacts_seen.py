@@ -7,7 +7,8 @@ from hybond.engine.answers import value
 from hybond.engine.contacts.accumulation import note_impact, push_time, restart
 from hybond.engine.contacts.landing_records import CROWD, Landings
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.instant import PINNACLE, Instant
+from hybond.engine.instant.beginning import stand_before
+from hybond.engine.instant.instant import PINNACLE, START, Instant
 from hybond.engine.jumps.trial import a_priori
 from hybond.engine.laws.entering import enter
 from hybond.engine.mode.equations import mode_of
@@ -63,7 +64,7 @@ def observe_event(e: Engine, i: Instant) -> None:
     exchange_interval(e)
     for k in range(m.machines):
         if g.struck[k] >= 0:
-            touch(e, g, k)
+            touch(e, g, k, i.cause == START)
         elif g.fired[k] != 0:
             g.other_kept[k] = push_time(g.others, g.other_kept[k], k, e.t)
     exchange_interval(e)
@@ -78,8 +79,8 @@ def note_struck(m: Model, g: Landings) -> None:
             copy_places(m.machines, g.state, 0, g.struck_state, k * m.machines)
 
 
-def touch(e: Engine, g: Landings, machine: int) -> None:
-    """Note how fast a contact was approached and is left."""
+def touch(e: Engine, g: Landings, machine: int, begins: bool) -> None:
+    """Note how fast a contact was approached and is left; `begins` as the run does."""
     m = e.model
     contact = g.struck[machine]
     moves = mode_of(e, e.state) == OK and combine_here(e, e.state) == OK
@@ -95,7 +96,7 @@ def touch(e: Engine, g: Landings, machine: int) -> None:
     for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):
         known = known and g.sign[r] != 0
     if not known:
-        learn_signs(e, g, machine, contact)
+        learn_signs(e, g, machine, contact, begins)
 
 
 def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
@@ -119,14 +120,16 @@ def contact_speed(e: Engine, g: Landings, contact: int, y: Floats) -> float:
     return worst
 
 
-def learn_signs(e: Engine, g: Landings, machine: int, contact: int) -> None:
-    """Learn the sign of each reaction's impulse in the impact."""
+def learn_signs(e: Engine, g: Landings, machine: int, contact: int, begins: bool) -> None:
+    """Learn the sign of each reaction's impulse in the impact, which is made once more."""
     m = e.model
     copy_floats(m.storages, g.before, g.x)
     copy_part(m.integrals, g.before, m.storages, g.s, 0)
     copy_places(m.machines, g.struck_state, machine * m.machines, g.state, 0)
     if a_priori(e, e.t, g.x, g.s, g.before_state) != OK:
         return
+    if begins and m.laws > 0:
+        stand_before(e, e.t, g.x, g.s, g.before_state, g.before_laws)
     if enter(e, e.t, g.x, g.s, g.state, True, False) != OK:
         return
     for r in range(m.reaction_first[contact], m.reaction_first[contact + 1]):

@@ -46,6 +46,8 @@ class Landings:
 
     # before the event: the state, the mode, and what is constant in the interval
     before: Floats
+    before_laws: Floats
+    """Room for that state on what machines ask for without their laws, where a run begins."""
     before_state: Ints
     before_piece: Ints
     before_at: Ints
@@ -122,6 +124,7 @@ def make_landings(m: Model) -> Landings:
     g.touch_rebound = floats(m.machines)
     g.chosen = ints(m.machines)
     g.before = floats(n)
+    g.before_laws = floats(n)
     g.before_state = ints(m.machines)
     g.before_piece = ints(m.inputs)
     g.before_at = ints(m.watches)

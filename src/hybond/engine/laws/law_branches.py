@@ -148,9 +148,10 @@ def lasting_role(m: Model, r: Laws, k: int) -> int:
         if r.now.given[k] == NET and r.y[k] != 0.0 and is_stored(m, r, k):
             return FORWARD if r.y[k] > 0.0 else BACKWARD
         return TWO_SIDED
-    # a contact that still approaches is for the next jump; where its motion follows from what other
-    # laws give, whether it approaches is what is asked, and where its effort is stored none strikes
-    strikes = m.port_restitution[k] != NO_LAW_VALUE or r.goes_apart[k] != 0
+    # a contact that still approaches is for the next jump, so is a plastic one where none is made:
+    # what is a priori is looked at. Where its motion follows from what other laws give, whether it
+    # approaches is what is asked, and where its effort is stored none strikes
+    strikes = m.port_restitution[k] != NO_LAW_VALUE or r.goes_apart[k] != 0 or not r.jumping
     rebounds = (r.now.given[k] == COMMON or r.goes_apart[k] != 0) and strikes
     comes = rebounds and r.y[k] < 0.0 and is_stored(m, r, k)
     carries_nothing = 1 if r.now.given[k] == COMMON else 2

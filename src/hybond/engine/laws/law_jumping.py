@@ -43,7 +43,7 @@ from hybond.engine.laws.law_instant import (
 from hybond.engine.laws.law_parallel import find_shares
 from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.response import respond
-from hybond.engine.laws.strike import close_gaps
+from hybond.engine.laws.strike import close_gaps, largest_gap
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.mode.rows.tableau import COMMON, NET
 from hybond.engine.model import Model
@@ -54,6 +54,8 @@ LONGER: Final = 1e3
 """How much longer what is stored is let move to tell an impulse from what is none."""
 SHORTER: Final = 1e-6
 """How much shorter."""
+TOUCHING: Final = 1e-12
+"""Part of the largest gap of their domain up to which bodies that move as one touch."""
 
 
 def find_breaking(e: Engine, r: Laws, x: Floats) -> int:
@@ -204,12 +206,18 @@ def leave_parting(m: Model, r: Laws) -> None:
 
 
 def reach_gaps(e: Engine, r: Laws) -> None:
-    """Let contacts touch that what is stored closes within the instant: rounding orders nothing."""
+    """Let contacts touch that what is stored closes within the instant: rounding orders nothing.
+
+    So do those that move as one and are apart by what is nothing beside the other gaps of their
+    domain: after a flight together a distance of zero is rounding, of either sign.
+    """
     m = e.model
     room = room_of_instant(e, r.t)
     for k in range(m.ports):
-        apart = m.port_gap_pair[k] >= 0 and r.able[k] == 0 and r.now.given[k] == COMMON
-        if apart and r.gap_now[k] <= -r.y[k] * room:
+        if m.port_gap_pair[k] < 0 or r.able[k] != 0 or r.now.given[k] != COMMON:
+            continue
+        beside = TOUCHING * largest_gap(m, r, k) if r.y[k] == 0.0 else 0.0
+        if r.gap_now[k] <= max(-r.y[k] * room, beside):
             r.able[k] = 1
             r.reach[k] = r.gap_now[k]
 

@@ -80,8 +80,9 @@ def take_later_rates(e: Engine, r: Laws) -> int:
     if solve_ahead(e, r, step) != OK:
         return REFUSED
     rates_of_linear(e, r, r.later, e.work.w, r.rate_after, r.rate_terms)
-    # of one time for all: what adds up to zero, such as currents of diodes that only another one
-    # could carry away, would not do so at a time of its own for each
+    # of one time for all, and for those that do not turn: what adds up to zero, such as currents of
+    # diodes that only another one could carry away, or the motions of a row between two walls,
+    # would not do so at a time of its own for each
     first = math.inf
     for k in range(m.ports):
         if bends_at(r, k):
@@ -91,7 +92,7 @@ def take_later_rates(e: Engine, r: Laws) -> int:
             if a.rate[k] != 0.0:
                 first = min(first, seen / math.fabs(a.rate[k]))
     for k in range(m.ports):
-        if bends_at(r, k):
+        if first < math.inf and changes_at(r, k):
             a.rate[k] += 0.5 * (r.rate_after[k] - a.rate[k]) / step * first
     return OK
 
@@ -158,8 +159,13 @@ def rates_with(e: Engine, r: Laws) -> int:
 
 def bends_at(r: Laws, k: int) -> bool:
     """Whether a rate that may turn changes by more than rounding."""
+    return may_turn(r, k) and changes_at(r, k)
+
+
+def changes_at(r: Laws, k: int) -> bool:
+    """Whether a rate changes by more than rounding."""
     change = math.fabs(r.rate_after[k] - r.response.rate[k])
-    return may_turn(r, k) and change > BENT * max(r.rate_terms[k], r.response.rate_size[k])
+    return change > BENT * max(r.rate_terms[k], r.response.rate_size[k])
 
 
 def solve_ahead(e: Engine, r: Laws, step: float) -> int:

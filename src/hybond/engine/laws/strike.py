@@ -92,12 +92,18 @@ def close_gaps(m: Model, r: Laws) -> None:
     for k in range(m.ports):
         if r.able[k] != 0 or m.port_gap[k] == NO_LAW_VALUE:
             continue
-        largest = 0.0
-        for j in range(m.ports):
-            if m.port_domain[j] == m.port_domain[k]:
-                largest = max(largest, r.largest[j])
+        largest = largest_gap(m, r, k)
         if quantity(m, m.port_gap, m.port_gap_constant, k, r.v) <= max(CLOSED, m.rtol) * largest:
             r.able[k] = 1
+
+
+def largest_gap(m: Model, r: Laws, k: int) -> float:
+    """Return how far any contact of the domain of port k has been open in this run."""
+    largest = 0.0
+    for j in range(m.ports):
+        if m.port_domain[j] == m.port_domain[k]:
+            largest = max(largest, r.largest[j])
+    return largest
 
 
 def take_contacts(m: Model, r: Laws, i: Impact) -> None:
