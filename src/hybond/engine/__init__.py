@@ -174,7 +174,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         beginning           what is a priori where a run begins; states it cannot begin in
         staying, passed_over    what is known of the last trial; modes without a solution
         indeterminate       truths that depend on what is open
-        open_integrals      ... and on integrals of that
+        open_ways, open_integrals    ... and on integrals and samples of that
         jump_balance        energy of a jump that comes from nowhere
         doubts, left_out, telling, told, instant    what is warned of, told and written down
     sliding/
