@@ -206,7 +206,10 @@ class Explaining:
 
     def open(self, found: Instants, v: int) -> tuple[str, ...]:
         """Return the bond variables that the equations of a mode visited leave open."""
-        numbers = found.rows.open[found.open[v] : found.open[v + 1]].tolist()
+        return self.bonds(found.rows.open[found.open[v] : found.open[v + 1]].tolist())
+
+    def bonds(self, numbers: Sequence[int]) -> tuple[str, ...]:
+        """Return what bond variables are called, each once."""
         return tuple(dict.fromkeys(self._bonds[k] for k in numbers))
 
     def rule(self, number: int) -> Rule:

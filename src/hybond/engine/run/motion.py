@@ -74,6 +74,7 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.noted import go_on, note, tell_at_end
+from hybond.engine.run.opened import comes_open
 from hybond.engine.run.roots_followed import begin_to_follow, follow_roots
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
@@ -361,7 +362,7 @@ def flow(e: Engine, r: Run) -> int:
             if e.checks.looked == e.t and e.checks.shown_at == e.t:
                 look_at_guards(e)
             rest_at_roots(e, r)
-            if e.slide.parts_now:
+            if e.slide.parts_now or comes_open(e):
                 return LAW
             if see_crawl(e, r) != OK or go_on(e) != OK:
                 return -1
