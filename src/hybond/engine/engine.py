@@ -104,6 +104,9 @@ class Trial:
     kept_sides: Places
     kept_many: int
     """The ways in which they are free at the instant, by what was open before, and how many."""
+    open_signal: Ints
+    kept_signal: Ints
+    """Which integrated signals are free then and then, for a run that goes on."""
     kept_bonds: Floats
     """Bond variables before they follow signals that are moved."""
     kept_knowns: Floats
@@ -323,6 +326,8 @@ def make_trial(m: Model) -> Trial:
     trial.kept_sides = make_places(1)
     trial.open_ways = 0
     trial.kept_many = 0
+    trial.open_signal = ints(m.integrals)
+    trial.kept_signal = ints(m.integrals)
     trial.kept_bonds = floats(4 * m.bonds)
     trial.kept_knowns = floats(m.storages + 2 * m.most_sources)
     trial.bonds_follow = False

@@ -15,7 +15,14 @@ from hybond.engine.algebra.blocks import grow_block
 from hybond.engine.answers import node_name, rule_text, stored_name, value
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.guards.in_force import is_asked
-from hybond.engine.instant.indeterminate import FAR, ends_here, truths_of, turns
+from hybond.engine.instant.indeterminate import (
+    FAR,
+    NEARER,
+    POINTS,
+    ends_here,
+    truths_of,
+    turns,
+)
 from hybond.engine.instant.open_ways import (
     add_way,
     keep_signals,
@@ -212,15 +219,31 @@ def guard_turns(e: Engine, rule: int, ways: int) -> bool:
     keep_signals(e)
     truths = 0
     for i in range(ways):
-        far = far_of(e, rule, i)
-        for side in range(3 if far != 0.0 else 0):
-            if side < 2 or e.trial.two_sided.at[i] != 0:
-                move_signals(e, i, far * float(side * (5 - 3 * side) // 2), far)
+        most = far_of(e, rule, i)
+        reads = e.model.read_first[rule + 1] - e.model.read_first[rule]
+        for side in range(2 * POINTS + 1 + reads if most != 0.0 else 0):
+            far = 0.0
+            if side < 2 * POINTS:
+                far = (most if side % 2 == 0 else -most) * math.pow(NEARER, float(side // 2))
+            elif side > 2 * POINTS:
+                far = way_to_zero(e, rule, side - 2 * POINTS - 1, i)
+            if truths != 3 and (far >= 0.0 or e.trial.two_sided.at[i] != 0):
+                move_signals(e, i, far, most)
                 truths = truths | truths_of(e, rule)
                 if turns_as_well(e, rule):
                     truths = 3
     put_signals(e)
     return truths == 3
+
+
+def way_to_zero(e: Engine, rule: int, i: int, way: int) -> float:
+    """Return how far to go along a way for the i-th value that a guard reads to be zero."""
+    m = e.model
+    k = m.read_slot[m.read_first[rule] + i] - m.signal_slot
+    if k < 0 or k >= m.integrals:
+        return 0.0
+    along = e.trial.ways.at[way * m.integrals + k]
+    return -e.trial.kept_signals[3 * k] / along if along != 0.0 else 0.0
 
 
 def turns_as_well(e: Engine, rule: int) -> bool:

@@ -18,7 +18,7 @@ from hybond.engine.inputs.sampling import value_at_instant
 from hybond.engine.instant.indeterminate import FAR
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.averages import solve_here
-from hybond.engine.words import Floats
+from hybond.engine.words import Floats, Ints
 
 STEADY: Final = 1e-9
 """Part of its terms by which a value may change along a way that does not move it, and part of a
@@ -60,6 +60,44 @@ def take_kept_ways(e: Engine) -> int:
             trial.ways.at[ways * m.integrals + k] = trial.kept_ways.at[i * m.integrals + k]
         ways += add_way(e, ways)
         trial.two_sided.at[ways - 1] = trial.kept_sides.at[i]
+    return ways
+
+
+def note_open(e: Engine) -> None:
+    """Note which signals are free, for a run that goes on: there each is so by itself."""
+    trial = e.trial
+    n = e.model.integrals
+    for k in range(n):
+        trial.open_signal[k] = 0
+        trial.kept_signal[k] = 0
+        for i in range(trial.open_ways):
+            if trial.ways.at[i * n + k] != 0.0:
+                trial.open_signal[k] = 1
+        for i in range(trial.kept_many):
+            if trial.kept_ways.at[i * n + k] != 0.0:
+                trial.kept_signal[k] = 1
+
+
+def begin_open(e: Engine) -> None:
+    """Begin with the signals that were noted to be free."""
+    trial = e.trial
+    trial.kept_many = 0
+    hold_ways(e, put_open(e, trial.kept_signal))
+    trial.open_ways = put_open(e, trial.open_signal)
+
+
+def put_open(e: Engine, free: Ints) -> int:
+    """Put a way for each signal that is free; return how many."""
+    trial = e.trial
+    n = e.model.integrals
+    ways = 0
+    for k in range(n):
+        if free[k] != 0:
+            grow_block(trial.ways, (ways + 1) * n)
+            for i in range(n):
+                trial.ways.at[ways * n + i] = 1.0 if i == k else 0.0
+            ways += add_way(e, ways)
+            trial.two_sided.at[ways - 1] = 1
     return ways
 
 
