@@ -131,8 +131,10 @@ def turns(
                 far = to_zero(e, rule, side - 2 * POINTS - 1, many, freedom, j)
             if truths == 3 or far > up or far < down:
                 continue
-            for k in range(n):
-                values[first + k] = kept[k] + far * freedom[k * many + j]
+            for i in range(m.read_first[rule], m.read_first[rule + 1]):
+                k = m.read_slot[i] - first
+                if k >= 0 and k < n:
+                    values[first + k] = kept[k] + far * freedom[k * many + j]
             truths = truths | truths_of(e, rule)
         turned = truths == 3
     for k in range(n):

@@ -25,6 +25,8 @@ from hybond.engine.instant.indeterminate import (
 )
 from hybond.engine.instant.open_ways import (
     add_way,
+    bond_moved,
+    follow_signals,
     keep_signals,
     move_signals,
     moved_by,
@@ -92,7 +94,7 @@ def refuse_kept_open(e: Engine, rule: int) -> int:
     if e.trial.kept_many == 0 or (m.decided != 0 and m.tells == 0):
         return OK
     ways = take_kept_ways(e)
-    e.trial.bonds_follow = True
+    e.trial.bonds_follow = follow_signals(e)
     show_trial(e, e.work.stack)
     return refuse_guard(e, rule, ways) if guard_turns(e, rule, ways) else OK
 
@@ -123,7 +125,8 @@ def see_what_follows(e: Engine, ways: int) -> int:
     """See whether bond variables follow signals that are free; refuse what is stored if it does."""
     m = e.model
     trial = e.trial
-    trial.bonds_follow = True
+    if not trial.bonds_follow:
+        return OK
     follows = False
     keep_signals(e)
     most = 1.0
@@ -142,11 +145,6 @@ def see_what_follows(e: Engine, ways: int) -> int:
         put_signals(e)
     trial.bonds_follow = follows
     return OK
-
-
-def bond_moved(e: Engine, k: int) -> float:
-    """Return by how much a bond variable has followed signals that are moved."""
-    return moved_by(e.v[e.model.bond_slot + k], e.trial.kept_bonds[k], 0.0)
 
 
 # -- the ways in which integrals are free
@@ -184,7 +182,7 @@ def find_ways(e: Engine) -> int:
         for k in range(n):
             e.v[first + k] = kept[k]
     # an integral that is free moves the rates that read it
-    e.trial.bonds_follow = True
+    e.trial.bonds_follow = ways > 0 and follow_signals(e)
     begun = 0
     while begun < ways:
         for side in range(1 + e.trial.two_sided.at[begun]):
@@ -230,7 +228,7 @@ def guard_turns(e: Engine, rule: int, ways: int) -> bool:
             if truths != 3 and (far >= 0.0 or e.trial.two_sided.at[i] != 0):
                 move_signals(e, i, far, most)
                 truths = truths | truths_of(e, rule)
-                if turns_as_well(e, rule):
+                if side < 2 and turns_as_well(e, rule):
                     truths = 3
     put_signals(e)
     return truths == 3

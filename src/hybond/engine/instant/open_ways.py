@@ -27,6 +27,9 @@ way by which it differs from sums of others if it is one of them."""
 NEAR: Final = 1e-6
 """How far ways may be from each other that are one."""
 
+UNLIKE: Final = 0.037
+"""By what signals are moved farther, one after another: what is read of them does not cancel."""
+
 
 def end_interval(e: Engine) -> None:
     """Keep how signals are free now that time has passed since the last instant."""
@@ -224,16 +227,44 @@ def move_signals(e: Engine, way: int, far: float, most: float) -> None:
         follow(e)
 
 
-def follow(e: Engine) -> None:
-    """Let bond variables be those of the signals as they are; as they were where there are none."""
+def follow(e: Engine) -> bool:
+    """Let bond variables be those of the signals as they are; as they were where there are none.
+
+    Returns whether there are.
+    """
     m = e.model
     refused = e.refusal
     asked = e.evaluations
-    if solve_here(e, e.mode, e.v) != OK:
-        for k in range(2 * m.bonds):
-            e.v[m.bond_slot + k] = e.trial.kept_bonds[k]
+    known = solve_here(e, e.mode, e.v) == OK
+    for k in range(2 * m.bonds if not known else 0):
+        e.v[m.bond_slot + k] = e.trial.kept_bonds[k]
     e.refusal = refused
     e.evaluations = asked
+    return known
+
+
+def bond_moved(e: Engine, k: int) -> float:
+    """Return by how much a bond variable has followed signals that are moved."""
+    return moved_by(e.v[e.model.bond_slot + k], e.trial.kept_bonds[k], 0.0)
+
+
+def follow_signals(e: Engine) -> bool:
+    """Whether bond variables follow integrals and samples at all: all are moved, none alike."""
+    m = e.model
+    e.trial.bonds_follow = True
+    keep_signals(e)
+    found = False
+    for side in range(4):
+        way = 1.0 if side % 2 == 0 else -1.0
+        for k in range(m.integrals):
+            kept = e.trial.kept_signals[3 * k]
+            far = max(1.0, math.fabs(kept)) * (1.0 + UNLIKE * float(k % 97))
+            e.v[m.signal_slot + k] = kept + way * far * (1.0 if side < 2 else FAR)
+        found = not follow(e) or found
+        for k in range(2 * m.bonds if not found else 0):
+            found = found or bond_moved(e, k) != 0.0
+        put_signals(e)
+    return found
 
 
 # -- what samples them
