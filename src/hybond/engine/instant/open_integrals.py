@@ -36,6 +36,7 @@ from hybond.engine.instant.open_ways import (
 from hybond.engine.jumps.trial import measure_trial, show_trial
 from hybond.engine.mode.left_free.leakage import MOVED, is_undetermined
 from hybond.engine.mode.left_free.undetermined import far_held
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.reasons.warned import LEFT_OPEN, add_about, begin_warning
@@ -113,7 +114,8 @@ def refuse_open_rates(e: Engine) -> int:
     """Refuse what is stored if its rate is one of the bond variables that are open."""
     m = e.model
     trial = e.trial
-    if e.slide.k > 0:
+    # storages that are tied have rates by their constraints, also where laws have no slope
+    if e.slide.k > 0 or is_constrained(e.mode):
         return OK
     for k in range(m.storages):
         if is_undetermined(2 * m.bonds, trial.loose, trial.freedom.at, rate_bond(m, k)):

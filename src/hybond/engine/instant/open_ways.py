@@ -255,8 +255,8 @@ def follow_signals(e: Engine) -> bool:
     keep_signals(e)
     found = False
     for side in range(4):
-        way = 1.0 if side % 2 == 0 else -1.0
         for k in range(m.integrals):
+            way = 1.0 if side % 2 == 0 else -1.0
             kept = e.trial.kept_signals[3 * k]
             far = max(1.0, math.fabs(kept)) * (1.0 + UNLIKE * float(k % 97))
             e.v[m.signal_slot + k] = kept + way * far * (1.0 if side < 2 else FAR)
