@@ -99,8 +99,8 @@ def driving(turned: bool, effort: str, **signals: hb.Sampled) -> hb.Model:
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(
     ("effort", "signals", "t"),
-    [("2*n.e", {}, 0.2), ("u", {"u": S("n.e", every="0.1 s")}, 0.3)],
-    ids=["at once", "sampled"],
+    [("u", {"u": S("n.e", every="0.1 s")}, 0.3)],
+    ids=["sampled"],
 )
 def test_what_is_stored_followed_a_source_of_what_is_open(
     effort: str, signals: dict[str, hb.Sampled], t: float, turned: bool
