@@ -291,9 +291,9 @@ def see_open_samples(e: Engine, s: Floats) -> None:
     for i in range(2 * trial.kept_many):
         if i % 2 == 1 and trial.kept_sides.at[i // 2] == 0:
             continue
-        way = far if i % 2 == 0 else -far
         grow_block(trial.ways, (ways + 1) * m.integrals)
         for k in range(m.integrals):
+            way = far if i % 2 == 0 else -far
             along = trial.kept_ways.at[i // 2 * m.integrals + k]
             trial.ways.at[ways * m.integrals + k] = along if way > 0.0 else -along
             e.v[m.signal_slot + k] = trial.kept_signals[3 * k] + way * along
