@@ -45,7 +45,7 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
     for i in range(n):
         r.rate_may[i] = math.inf
         r.bent[i] = 0.0
-    if m.edges > 0 or m.begins > 0 or m.bends > 0.0 or e.slide.k > 0:
+    if m.edges > 0 or m.bends > 0.0 or e.slide.k > 0:
         return
     for i in range(m.storages):
         if not r.tolerance[i] > 0.0:
@@ -56,7 +56,7 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
         for j in range(n):
             slope = math.fabs(r.jacobian[i * n + j])
             off += slope * r.tolerance[j]
-            terms += slope * max(math.fabs(r.y0[j]), e.lately[j])
+            terms += slope * (math.fabs(r.y0[j]) if m.begins > 0 else max(math.fabs(r.y0[j]), e.lately[j]))
             moved += slope * math.fabs(r.f0[j])
         if r.h * off > IN_STAGES * r.tolerance[i]:
             rounding = max(FROM_ROUNDING * terms, OF_TIME * math.fabs(r.t0) * moved)
