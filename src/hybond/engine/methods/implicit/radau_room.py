@@ -148,15 +148,18 @@ class Radau:
     """What differences for the Jacobian are of the usual ones; when that was last in doubt."""
     doubted_at: float
     slopes_before: Block
+    elsewhere: bool
+    """Whether the Jacobian is that of a stage, and along a steep law of no other place."""
     differences: Block
     by_laws: Block
     """Slopes by laws: what differences had, factors of the laws, with rows of pivots, what is left
-    of them, their values; bond variables, and by how much a state moves them."""
+    of them, their values; bond variables, and by how much a state moves them; a state beside."""
     by_laws_row: Places
     laws_left: Block
     laws_now: Block
     bonds_here: Block
     bonds_moved: Block
+    moved_state: Floats
     sided: bool
     """Whether the last one would have been another, had it not stayed on its side of a kink."""
     beyond: bool
@@ -242,6 +245,7 @@ def make_radau(n: int) -> Radau:
     r.laws_now = make_block(1)
     r.bonds_here = make_block(1)
     r.bonds_moved = make_block(1)
+    r.moved_state = floats(n)
     r.kept_rest = make_block(1)
     r.piece_t0 = floats(PIECES)
     r.piece_t1 = floats(PIECES)

@@ -12,7 +12,6 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.products import copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.algebra.twofold import product_rest, sum_rest
 from hybond.engine.engine import NOT_FINITE, OK, Engine
@@ -25,11 +24,7 @@ from hybond.engine.methods.implicit.beside_kinks import (
 )
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import FRESH_MATRIX, rate_at
-from hybond.engine.methods.implicit.slopes_by_laws import (
-    may_be_by_laws,
-    reaches_far,
-    slopes_by_laws,
-)
+from hybond.engine.methods.implicit.slopes_by_laws import reaches_far, slopes_by_laws
 from hybond.engine.methods.linear.graded import fast_from
 from hybond.engine.methods.tolerances.scale import (
     ROUNDED,
@@ -153,7 +148,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
             delta *= RADAU_NEAR
         if one_side and found == OK and is_beyond(e, r):
             found = stay_on_side(e, r, j)
-        far = far or (found == OK and reaches_far(r))
+        far = far or (found == OK and reaches_far(n, r.f0, 0, r.end))
         width = r.shifted[j] - r.y0[j]
         for i in range(n):
             # off its constraints, or where laws end or jump, a state may have no rates; nothing
@@ -164,8 +159,8 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
                 rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
             put_slope(r, i * n + j, change, rest, width, closely)
         r.shifted[j] = r.y0[j]
-    if far and may_be_by_laws(e, e.mode):
-        keep_slopes_by_laws(e, r, closely)
+    if far and not behind:
+        slopes_by_laws(e, r, r.t0, r.y0)
     if behind:
         come_back(r)
     know_settling(e, r.jacobian)
@@ -173,18 +168,6 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     r.matrix = FRESH_MATRIX
     r.served = 0.0
     r.made += 1
-
-
-def keep_slopes_by_laws(e: Engine, r: Radau, closely: bool) -> None:
-    """Take the slopes of laws in place of differences; these stay where laws have none."""
-    n = r.n
-    fit(r.differences, n * n)
-    copy_floats(n * n, r.jacobian, r.differences.at)
-    if not slopes_by_laws(e, r):
-        copy_floats(n * n, r.differences.at, r.jacobian)
-        return
-    for k in range(n * n if closely else 0):
-        r.jacobian_rest.at[k] = 0.0
 
 
 def put_slope(r: Radau, at: int, change: float, rest: float, width: float, closely: bool) -> None:

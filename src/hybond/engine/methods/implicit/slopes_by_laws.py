@@ -28,15 +28,17 @@ from hybond.engine.mode.nonlinear.newton_system import system, write_bonds
 from hybond.engine.mode.rows.storage import stiff
 from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
 from hybond.engine.surfaces.values import set_motion
+from hybond.engine.words import Floats
 
 FAR: Final = 1e-3
 """Part of a rate that a difference moves it by where it may reach over a bend."""
 
 
-def reaches_far(r: Radau) -> bool:
-    """Whether the state that was shifted moves a rate by much of what it is."""
-    for i in range(r.n):
-        if math.fabs(r.end[i] - r.f0[i]) > FAR * math.fabs(r.f0[i]):
+def reaches_far(n: int, f: Floats, first: int, there: Floats) -> bool:
+    """Whether the state that was shifted moves a rate by much of what it is, from `first` on."""
+    for i in range(n):
+        here = f[first + i]
+        if math.fabs(there[i] - here) > FAR * math.fabs(here):
             return True
     return False
 
@@ -53,13 +55,31 @@ def may_be_by_laws(e: Engine, mode: Mode) -> bool:
     return plain and mode.dynamics > 0 and mode.finite_frees == mode.dynamics
 
 
-def slopes_by_laws(e: Engine, r: Radau) -> bool:
-    """Make the Jacobian where the step starts; False where laws have no slopes, or not enough."""
+def slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> bool:
+    """Make the Jacobian at a state; False where laws have no slopes: then it is what it was.
+
+    What rates are rounded by is none of it.
+    """
+    n = r.n
+    fit(r.differences, n * n)
+    copy_floats(n * n, r.jacobian, r.differences.at)
+    found = put_slopes_by_laws(e, r, t, y)
+    if not found:
+        copy_floats(n * n, r.differences.at, r.jacobian)
+    elif e.mode.closely:
+        fit(r.jacobian_rest, n * n)
+        for k in range(n * n):
+            r.jacobian_rest.at[k] = 0.0
+    return found
+
+
+def put_slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> bool:
+    """Do so; False where that was in vain."""
     mode = e.mode
     m = e.model
     v = e.v
     frees = mode.finite_frees
-    if not may_be_by_laws(e, mode) or rate_at(e, r.n, r.t0, r.y0, r.shifted) != OK:
+    if not may_be_by_laws(e, mode) or rate_at(e, r.n, t, y, r.x_real) != OK:
         return False
     fit(r.by_laws, frees * frees)
     fit(r.laws_left, frees)
@@ -78,8 +98,8 @@ def slopes_by_laws(e: Engine, r: Radau) -> bool:
     put_now(e, r, mode)
     found = True
     for j in range(r.n):
-        found = move_one(e, r, mode, j) and found
-    set_motion(e, v, r.t0, r.y0)
+        found = move_one(e, r, mode, t, y, j) and found
+    set_motion(e, v, t, y)
     write_bonds(e, v, r.bonds_here.at)
     return found
 
@@ -99,7 +119,7 @@ def put_now(e: Engine, r: Radau, mode: Mode) -> None:
         now[mode.dynamics + mode.sources + k] = there
 
 
-def move_one(e: Engine, r: Radau, mode: Mode, j: int) -> bool:
+def move_one(e: Engine, r: Radau, mode: Mode, t: float, y: Floats, j: int) -> bool:
     """Put a column of the Jacobian: what state j moves, all else that is stored being held.
 
     What laws, sources and signals read of it themselves is a difference, which bends no law of
@@ -118,12 +138,12 @@ def move_one(e: Engine, r: Radau, mode: Mode, j: int) -> bool:
             if m.stiff_other[i] == j:
                 slope = stiff(m, i, v)
                 xi[k] = slope
-    size = r.made_for[j] if r.made_for[j] > 0.0 else 1.0
+    size = max(math.fabs(y[j]), r.made_for[j])
     for i in range(r.n):
-        r.shifted[i] = r.y0[i]
-    r.shifted[j] += math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
-    width = r.shifted[j] - r.y0[j]
-    set_motion(e, v, r.t0, r.shifted)
+        r.moved_state[i] = y[i]
+    r.moved_state[j] += math.sqrt(EPSILON) * (size if size > 0.0 else 1.0)
+    width = r.moved_state[j] - y[j]
+    set_motion(e, v, t, r.moved_state)
     for k in range(mode.sources):
         given = source_of(e, mode, k, v)
         xi[m.storages + k] = (given - now[mode.dynamics + k]) / width
@@ -154,6 +174,6 @@ def move_one(e: Engine, r: Radau, mode: Mode, j: int) -> bool:
         change = there - now[mode.dynamics + mode.sources + k]
         r.jacobian[(m.storages + k) * r.n + j] = change / width
         found = found and math.isfinite(change)
-    set_motion(e, v, r.t0, r.y0)
+    set_motion(e, v, t, y)
     write_bonds(e, v, r.bonds_here.at)
     return found
