@@ -6,8 +6,7 @@ Each change of sign would end a step, and the next one would begin as near a kin
 has the same value from both sides, so nothing is passed over: what a step makes of it is as right
 beyond as it is before. So in a row of many roots, where such kinks have ended one step after the
 other and a step begins no farther from one than its tolerance may be off, that ends it only if it
-leads there from farther away. What comes to rest at one of a few is located, but for flows that
-follow others, which implicit steps hold by their rates.
+leads there from farther away. What comes to rest at one of a few is located.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from hybond.engine.engine import Engine
 from hybond.engine.guards.guard_values import atom_here, holds_at, look
 from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.methods.explicit.one_instant import show_motion
-from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.model import Model
@@ -36,7 +34,7 @@ LOOKS: Final = 4
 
 def forget_blurred(e: Engine, g: Locator) -> None:
     """Know of no kink that it is blurred, where another step begins."""
-    if not g.at < math.inf and not (g.blurs and holds_rates(e)):
+    if not g.at < math.inf:
         g.in_a_row = 0
     if g.blurs and g.blurred_from != e.step.t0:
         g.blurs = False
@@ -46,9 +44,9 @@ def forget_blurred(e: Engine, g: Locator) -> None:
 
 def let_blurred_pass(e: Engine, g: Locator) -> bool:
     """Whether kinks that have ended the step are blurred: they end it no more."""
-    if e.model.kinks == 0 or e.slide.k > 0 or not is_root_there(e, g):
+    if e.model.kinks < MANY or e.slide.k > 0 or not is_root_there(e, g):
         return False
-    if not (is_row(e.model) or holds_rates(e)):
+    if not is_row(e.model):
         return False
     g.in_a_row += 1
     if g.in_a_row < IN_A_ROW:
@@ -61,11 +59,6 @@ def let_blurred_pass(e: Engine, g: Locator) -> bool:
     g.looked = math.nan
     e.refusal = refusal
     return found and not g.failed
-
-
-def holds_rates(e: Engine) -> bool:
-    """Whether the last step was an implicit one that is right in rates, too, whatever their sign."""
-    return by_radau(e) and e.radau.rates_asked
 
 
 def is_row(m: Model) -> bool:

@@ -344,6 +344,7 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
     r.twofold_from = math.inf
     t = stage_time(r, s)
     far = False
+    r.chords = False
     for i in range(n):
         r.shifted[i] = r.y[s * n + i]
     for j in range(n):

@@ -150,6 +150,8 @@ class Radau:
     slopes_before: Block
     elsewhere: bool
     """Whether the Jacobian is that of a stage, and along a steep law of no other place."""
+    chords: bool
+    """Whether the Jacobian has slopes of chords, over a bend of a law that is steep at rest."""
     differences: Block
     by_laws: Block
     """Slopes by laws: what differences had, factors of the laws, with rows of pivots, what is left

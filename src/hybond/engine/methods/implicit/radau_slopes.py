@@ -121,6 +121,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     one_side = not across and see_sides(e, r)
     behind = one_side and go_behind(e, r, rtol)
     far = False
+    r.chords = False
     for i in range(n):
         r.shifted[i] = r.y0[i]
     for j in range(n):
@@ -159,7 +160,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
                 rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
             put_slope(r, i * n + j, change, rest, width, closely)
         r.shifted[j] = r.y0[j]
-    if far and not behind:
+    if far:
         slopes_by_laws(e, r, r.t0, r.y0)
     if behind:
         come_back(r)

@@ -33,6 +33,9 @@ from hybond.engine.words import Floats
 FAR: Final = 1e-3
 """Part of a rate that a difference moves it by where it may reach over a bend."""
 
+LOST: Final = 1e-2
+"""Part of what slows down over a step that rounding of slopes may be."""
+
 
 def reaches_far(n: int, f: Floats, first: int, there: Floats) -> bool:
     """Whether the state that was shifted moves a rate by much of what it is, from `first` on."""
@@ -55,22 +58,28 @@ def may_be_by_laws(e: Engine, mode: Mode) -> bool:
     return plain and mode.dynamics > 0 and mode.finite_frees == mode.dynamics
 
 
-def slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> bool:
-    """Make the Jacobian at a state; False where laws have no slopes: then it is what it was.
+def slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> None:
+    """Make the Jacobian at a state, where laws have slopes; else it is what it was, of chords.
 
-    What rates are rounded by is none of it.
+    Nor where slopes are so steep that a number has no digits for what is slow beside them: there
+    the flow is driven by what is rounding of what is stored. What rates are rounded by is none.
     """
+    if e.model.begins == 0:
+        return
     n = r.n
+    r.chords = True
+    if not may_be_by_laws(e, e.mode):
+        return
     fit(r.differences, n * n)
     copy_floats(n * n, r.jacobian, r.differences.at)
-    found = put_slopes_by_laws(e, r, t, y)
-    if not found:
+    if not put_slopes_by_laws(e, r, t, y):
         copy_floats(n * n, r.differences.at, r.jacobian)
-    elif e.mode.closely:
+        return
+    r.chords = False
+    if e.mode.closely:
         fit(r.jacobian_rest, n * n)
         for k in range(n * n):
             r.jacobian_rest.at[k] = 0.0
-    return found
 
 
 def put_slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> bool:
@@ -79,7 +88,7 @@ def put_slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> bool:
     m = e.model
     v = e.v
     frees = mode.finite_frees
-    if not may_be_by_laws(e, mode) or rate_at(e, r.n, t, y, r.x_real) != OK:
+    if rate_at(e, r.n, t, y, r.x_real) != OK:
         return False
     fit(r.by_laws, frees * frees)
     fit(r.laws_left, frees)
@@ -101,7 +110,10 @@ def put_slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> bool:
         found = move_one(e, r, mode, t, y, j) and found
     set_motion(e, v, t, y)
     write_bonds(e, v, r.bonds_here.at)
-    return found
+    most = 0.0
+    for k in range(r.n * r.n):
+        most = max(most, math.fabs(r.jacobian[k]))
+    return found and EPSILON * most * r.h <= LOST
 
 
 def put_now(e: Engine, r: Radau, mode: Mode) -> None:
