@@ -47,8 +47,7 @@ def levels() -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("solver", ["auto", "radau"])
-@pytest.mark.parametrize("signal", [False, True])
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("signal", "turned"), [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize("dual", [False, True])
 def test_two_tanks_joined_by_a_rough_pipe_empty_as_one(
     solver: str, signal: bool, turned: bool, dual: bool
@@ -88,8 +87,8 @@ def test_a_flow_that_is_driven_by_rounding_is_said_to_be_off() -> None:
     m.add(a=hb.C(C, q=4.0 * C), b=hb.C(C), leak=hb.G(G), m1=hb.Zero(), m2=hb.Zero())
     m.add(pipe=hb.One(), rough=hb.R({"e": f"{K}*f*abs(f)"}))
     m.bond("m1 -> a", "m2 -> b", "m2 -> leak", "pipe -> rough", "m1 -> pipe", "pipe -> m2")
-    run = hb.simulate(m, 20, solver="radau")
-    assert abs(run.final["a.q"]) < 1e-11
+    run = hb.simulate(m, 4, solver="radau")
+    assert abs(run.final["a.q"]) < 1e-10
     assert any("its flow is off by" in each for each in run.warnings)
 
 

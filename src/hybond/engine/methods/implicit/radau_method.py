@@ -212,7 +212,7 @@ def warn_of_swings(e: Engine, along_chords: bool) -> None:
         elif off > most * size and size > 0.0:
             most = off / size
             which = k
-    if which < 0:
+    if which < 0 or (along_chords and swings_about_jump(e, r)):
         return
     e.warned.swings = True
     size = e.checks.largest[m.bond_class[m.storage_bond[which] + rate_kind(m, which)]]
