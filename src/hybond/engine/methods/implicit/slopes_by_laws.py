@@ -49,12 +49,9 @@ def reaches_far(n: int, f: Floats, first: int, there: Floats) -> bool:
 def may_be_by_laws(e: Engine, mode: Mode) -> bool:
     """Whether laws alone, as many as there are unknowns, stand between what is stored and rates.
 
-    With edges, or limits that nothing reaches, slopes may be without bound.
+    What is tied to others, or slides, has slopes by more than laws.
     """
-    m = e.model
-    if m.begins == 0 or m.edges > 0 or m.bends > 0.0 or e.slide.k > 0:
-        return False
-    plain = mode.structures == 0 and mode.constraints.rows == 0
+    plain = mode.structures == 0 and mode.constraints.rows == 0 and e.slide.k == 0
     return plain and mode.dynamics > 0 and mode.finite_frees == mode.dynamics
 
 
@@ -62,9 +59,11 @@ def slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> None:
     """Make the Jacobian at a state, where laws have slopes; else it is what it was, of chords.
 
     Nor where slopes are so steep that a number has no digits for what is slow beside them: there
-    the flow is driven by what is rounding of what is stored. What rates are rounded by is none.
+    the flow is driven by what is rounding of what is stored. What rates are rounded by is none. With
+    edges, or limits that nothing reaches, slopes may be without bound: chords are what is looked at.
     """
-    if e.model.begins == 0:
+    m = e.model
+    if m.begins == 0 or m.edges > 0 or m.bends > 0.0:
         return
     n = r.n
     r.chords = True
