@@ -59,8 +59,8 @@ def slopes_by_laws(e: Engine, r: Radau, t: float, y: Floats) -> None:
     """Make the Jacobian at a state, where laws have slopes; else it is what it was, of chords.
 
     Nor where slopes are so steep that a number has no digits for what is slow beside them: there
-    the flow is driven by what is rounding of what is stored. What rates are rounded by is none. With
-    edges, or limits that nothing reaches, slopes may be without bound: chords are what is looked at.
+    the flow is driven by what is rounding of what is stored. What rates are rounded by is none.
+    With edges, or limits that nothing reaches, slopes may be without bound: there differences stay.
     """
     m = e.model
     if m.begins == 0 or m.edges > 0 or m.bends > 0.0:
