@@ -30,6 +30,7 @@ from hybond.engine.methods.implicit.radau_room import ERROR_BLAMED, STAGES_BLAME
 from hybond.engine.methods.implicit.radau_stages import rate_at, stage_time
 from hybond.engine.methods.implicit.rates_in_stages import IN_STAGES
 from hybond.engine.methods.implicit.stiffness import watch_implicit
+from hybond.engine.methods.linear.rates_off import FROM_ROUNDING
 from hybond.engine.methods.tolerances.defects import apart_at_end, end_levels
 from hybond.engine.methods.tolerances.scale import controlled, tolerance
 from hybond.engine.model import Model
@@ -189,9 +190,9 @@ def warn_of_swings(e: Engine, along_chords: bool) -> None:
     """Say once that the rates at the end of steps are off, where these swing within the tolerance.
 
     By how much the way through the stages of the last one ends with other rates than laws say. How
-    far rates move within the step is none of it: friction breaks loose in one. Slopes of chords
-    hold no rates: there it is said where a rate is off by much of itself, and by more than over a
-    step it may be elsewhere.
+    far rates move within the step is none of it: friction breaks loose in one. Slopes of
+    chords hold no rates: there it is said where a rate is off by much of itself, and by more than
+    rounding, and than over a step it may be elsewhere.
     """
     m = e.model
     s = e.step
@@ -206,7 +207,11 @@ def warn_of_swings(e: Engine, along_chords: bool) -> None:
         off = math.fabs(s.f[k] - moved / r.h)
         if along_chords:
             own = max(math.fabs(s.f[k]), math.fabs(moved / r.h))
-            if off > OFF * own and off * r.h > IN_STAGES * r.tolerance[k] and which < 0:
+            least = max(OFF * own, IN_STAGES * r.tolerance[k] / r.h)
+            terms = 0.0
+            for j in range(r.n):
+                terms += math.fabs(r.jacobian[k * r.n + j] * s.y1[j])
+            if off > max(least, FROM_ROUNDING * terms) and which < 0:
                 most = off / size if size > 0.0 else 0.0
                 which = k
         elif off > most * size and size > 0.0:
