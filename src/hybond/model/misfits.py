@@ -39,7 +39,7 @@ def units_of(values: Iterable[Any], parameters: Mapping[str, Number]) -> str:
             continue
         for name in sorted(used & parameters.keys()):
             dimension = parameters[name].dimension
-            if dimension is not None and value.strip() != name:  # of itself that is said already
+            if dimension is not None:
                 found[name] = f"the parameter {name} is in {dimension}"
     return f" ({', '.join(found.values())})" if found else ""
 

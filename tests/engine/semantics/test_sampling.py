@@ -139,7 +139,7 @@ def test_files_and_equations_know_samples() -> None:
     for format in ("toml", "json"):
         assert hb.loads(hb.dumps(model, format=format), format=format).signals == model.signals
     text = str(hb.state_equations(model))
-    assert "torque = 0.4 [N*m*s]*(ref - u.f) + 30 [J]*sum  every 2 ms" in text
+    assert "torque = 0.4 [N*m*s]*(ref - u.f) + 30 [N*m/rad]*sum  every 2 ms" in text
     assert r"\quad\text{every 2 ms}" in hb.state_equations(model).latex()
     with pytest.raises(hb.FileError) as caught:
         hb.loads('hybond = 1\n[signals]\na = { sample = "time" }\n')
