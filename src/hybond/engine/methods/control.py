@@ -252,12 +252,14 @@ def controlled_step(e: Engine, t_end: float) -> int:
 def controlled_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step with the size that ends it at `t_end`."""
     s = e.step
+    s.tried = t_end - s.t0
     error = attempt(e, t_end)
     if error > 1.0 and t_end - s.t0 < CREEPS * e.span and not is_propagated(e):
         if foresee_onset(e, e.mode, s.t0, s.y0, s.f0):
             error = attempt(e, t_end)
     if error <= 1.0 and not is_propagated(e):
         error = hidden_at_end(e, t_end, error)
+    s.tried = 0.0
     if error != error:
         if e.model.tells != 0 and not e.refusal:
             return no_rate(e, e.states, t_end - e.step.t0, e.step.rate, e.step.y1)
