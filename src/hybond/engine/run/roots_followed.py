@@ -83,6 +83,7 @@ def begin_to_follow(e: Engine, again: bool) -> None:
         return
     if b.points > 0 and (e.t < b.when.at[0] or e.t > b.when.at[b.points - 1]):
         forget_points(mode)
+    e.work.following.rated = False
     b.known = solves_at(e, e.t, e.y)
     b.ended = False
     b.points = 0
@@ -133,12 +134,19 @@ def follow_roots(e: Engine) -> None:
         basis = b.basis
         middle = gone + 0.5 * (t - gone)
         shortest = t - gone <= 2.0 * least or middle <= gone or middle >= t
-        if goes_straight(e, mode, gone, t) or (shortest and jumps(e, mode, t)):
+        if goes_straight(e, mode, gone, t):
+            take_rate(e, mode, t - gone)
+            put_point(e, mode, t)
+            gone = t
+            part *= 2.0
+        elif shortest and jumps(e, mode, t):
+            e.work.following.rated = False
             put_point(e, mode, t)
             gone = t
             part *= 2.0
         elif b.basis != basis and again < AGAIN:
             # rows were eliminated anew: what slopes are by, and the sign of their determinant
+            e.work.following.rated = False
             again += 1
             begin_signs(e, mode)
         elif shortest and is_flat(e, mode):
@@ -199,7 +207,23 @@ def write_at(e: Engine, t: float) -> None:
 
 
 def goes_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
-    """Whether the solution goes from the last point to a time as good as straight; it is in `w`."""
+    """Whether the solution goes from the last point to a time as good as straight; it is in `w`.
+
+    It leads there by the rate of the last part, if one is known, or by Newton's first step. Behind
+    a steep law that saturates that step is far too long: what is known has moved, and the unknown
+    that keeps the law from saturating has not yet.
+    """
+    basis = mode.branch.basis
+    if e.work.following.rated:
+        if leads_straight(e, mode, t0, t1, True):
+            return True
+        if mode.branch.basis != basis:
+            return False
+    return leads_straight(e, mode, t0, t1, False)
+
+
+def leads_straight(e: Engine, mode: Mode, t0: float, t1: float, by_rate: bool) -> bool:
+    """Whether it does by the rate of the last part; else by Newton's first step."""
     b = mode.branch
     f = e.work.following
     basis = b.basis
@@ -212,12 +236,15 @@ def goes_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
     take_unknowns(e, mode, f.here.at)
     write_at(e, t1)
     know(e, mode, e.v)
-    if not step_from(e, mode, e.v, f.here.at):
+    if by_rate:
+        for j in range(frees):
+            f.first.at[j] = f.here.at[j] + (t1 - t0) * f.rate.at[j]
+    elif step_from(e, mode, e.v, f.here.at):
+        for j in range(frees):
+            f.first.at[j] = f.here.at[j] - e.work.step.at[j]
+    else:
         return False
-    for j in range(frees):
-        f.first.at[j] = f.here.at[j] - e.work.step.at[j]
-        mode.guess.at[j] = f.first.at[j]
-    mode.guessed = True
+    keep_first(mode, f.first.at)
     if not math.isfinite(largest_of(frees, f.first.at)) or not solves_at(e, t1, f.y.at):
         return False
     if b.basis != basis:
@@ -247,8 +274,25 @@ def goes_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
     return True
 
 
+def keep_first(mode: Mode, first: Floats) -> None:
+    """Let Newton's method begin at unknowns."""
+    for j in range(mode.finite_frees):
+        mode.guess.at[j] = first[j]
+    mode.guessed = True
+
+
+def take_rate(e: Engine, mode: Mode, part: float) -> None:
+    """Take the rates at which unknowns went through the part that was just found."""
+    f = e.work.following
+    f.rated = part > 0.0
+    fit(f.rate, mode.finite_frees)
+    for j in range(mode.finite_frees if f.rated else 0):
+        f.rate.at[j] = (f.there.at[j] - f.here.at[j]) / part
+        f.rated = f.rated and math.isfinite(f.rate.at[j])
+
+
 def is_straight(e: Engine, mode: Mode, t0: float, t1: float) -> bool:
-    """Whether Newton's first step has led nearly all the way, and laws nearly hold half way."""
+    """Whether what was tried first is nearly all of the way, and laws nearly hold half way."""
     f = e.work.following
     frees = mode.finite_frees
     least = STILL_OF_ALL * largest_of(frees, f.there.at)

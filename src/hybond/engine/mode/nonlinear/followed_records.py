@@ -55,6 +55,9 @@ class Following:
     middle: Block
     """... unknowns where a part of it begins, after one step of Newton's, at its end, and half
     way; ..."""
+    rated: bool
+    rate: Block
+    """... the rates at which they went through the last part, if these are known; ..."""
     known_here: Block
     """... and what is known where the step begins, where it ends, and at the last point."""
     square: Block
@@ -89,6 +92,7 @@ def make_following() -> Following:
     f.first = make_block(1)
     f.there = make_block(1)
     f.middle = make_block(1)
+    f.rate = make_block(1)
     f.known_here = make_block(1)
     f.square = make_block(1)
     f.parts = make_block(1)
