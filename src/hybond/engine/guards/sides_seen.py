@@ -40,16 +40,30 @@ def note_sides(e: Engine, g: Locator) -> bool:
     clear = NARROW
     if not is_propagated(e) and not by_radau(e):
         clear = max(clear, TOLD * e.model.rtol)
+    # one instant after the other: to go to and fro between them is to solve for each comparison
     for k in range(g.guards):
-        rule = g.rule[k]
-        if rule < 0 or q.follows[rule] == 0 or g.part[k] >= 0 or g.side[k] != NO_KINK:
-            continue
-        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if has_sides(e, g, k) else 0):
+            if not is_known_between(e, g, a) and g.solved[k] == 0:
+                here = atom_at(e, g, a, e.step.t0)
+                q.before[g.atom[a]] = here
+    for k in range(g.guards):
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if has_sides(e, g, k) else 0):
             note_side(e, g, k, a, clear, begins)
-            moved = leaves_zero(e, rule, g.atom[a]) or moved
+            moved = leaves_zero(e, g.rule[k], g.atom[a]) or moved
     if begins:
         q.seen_at = e.step.t0
     return moved
+
+
+def has_sides(e: Engine, g: Locator, k: int) -> bool:
+    """Whether sides of the comparisons of a guard are noted: it is that of a rule, and followed."""
+    rule = g.rule[k]
+    return rule >= 0 and e.rests.follows[rule] != 0 and g.part[k] < 0 and g.side[k] == NO_KINK
+
+
+def is_known_between(e: Engine, g: Locator, a: int) -> bool:
+    """Whether a comparison is known as a polynomial of the step."""
+    return g.sums.known.at[a] != 0 and g.shown_to == e.step.t1
 
 
 def leaves_zero(e: Engine, rule: int, which: int) -> bool:
@@ -74,7 +88,7 @@ def note_side(e: Engine, g: Locator, k: int, a: int, clear: float, begins: bool)
     """Note the side of one of them."""
     q = e.rests
     which = g.atom[a]
-    if g.sums.known.at[a] != 0 and g.shown_to == e.step.t1:
+    if is_known_between(e, g, a):
         at = COEFFICIENTS * a
         before = g.step[at]
         here = before + g.step[at + 1] + g.step[at + 2] + g.step[at + 3] + g.step[at + 4]
@@ -88,7 +102,7 @@ def note_side(e: Engine, g: Locator, k: int, a: int, clear: float, begins: bool)
         q.creeps[which] = 0
         return
     else:
-        before = atom_at(e, g, a, e.step.t0)
+        before = q.before[which]
         here = atom_at(e, g, a, e.step.t1)
         size = size_here(e, g, a)
     if begins:
