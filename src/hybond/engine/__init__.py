@@ -126,7 +126,6 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
                             steps
             nearer_slopes, radau_factors    slopes over shorter differences; what is solved for
             rates_in_stages    what errors leave in rates at their stages
-            slopes_by_laws  slopes where differences reach over a bend of a law
             hidden_peaks    what laws that bend do within a step, and nowhere it has looked
             stiffness       when ``auto`` goes over to them, and back
             beside_kinks    slopes of the side of a kink on which a step is

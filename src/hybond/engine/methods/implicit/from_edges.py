@@ -20,7 +20,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import AUTO, EXACT
@@ -31,18 +31,14 @@ from hybond.engine.methods.implicit.radau_slopes import held_by_law
 from hybond.engine.methods.implicit.radau_stages import (
     ENOUGH,
     FRESH_MATRIX,
-    OPEN,
     STAGE_1,
     STAGE_2,
-    STILL_SWINGS,
     mean_size,
     place_stages,
     rate_at,
     stage_rates,
     stage_time,
 )
-from hybond.engine.methods.implicit.rates_in_stages import rates_left
-from hybond.engine.methods.implicit.slopes_by_laws import reaches_far, slopes_by_laws
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.mode.digits.sizes import sizes_of
 from hybond.engine.mode.nonlinear.newton_system import is_given
@@ -122,8 +118,7 @@ def leaves_edge(e: Engine, t: float, y: Floats, f: Floats, h: float) -> bool:
     see_edges(e, t, y)
     leaves = False
     moves = -1
-    for i in range(e.states):
-        s.trial[i] = y[i]
+    copy_floats(e.states, y, s.trial)
     for _ in range(FILLS if s.on_edge else 0):
         if rate_at(e, e.states, t + h, s.trial, s.rate) != OK:
             break
@@ -177,7 +172,6 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
     stalled = 0
     before = 1.0
-    rates_before = math.inf
     for _ in range(CORRECTIONS):
         put_whole(e, r, rtol)
         if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
@@ -188,19 +182,15 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
         before = part
         if part <= least or stalled >= STALLED:
             return False
-        for i in range(n):
-            r.stage[i] = r.y[2 * n + i]
+        copy_part(n, r.y, 2 * n, r.stage, 0)
         tolerance(e, r.y0, r.stage, r.other)
         if e.model.bends > 0.0:
             held_by_law(e, r, r.other)
         r.size = mean_size(n, 3, r.left_over.at, r.other)
         if part == 1.0 and r.size <= enough:
-            rates = rates_left(r)
-            if rates <= OPEN or not rates < STILL_SWINGS * rates_before:
-                end_stages(r)
-                e.refusal = refusal
-                return True
-            rates_before = rates
+            end_stages(r)
+            e.refusal = refusal
+            return True
     return False
 
 
@@ -220,7 +210,6 @@ def end_stages(r: Radau) -> None:
     r.matrix = FRESH_MATRIX
     r.served = 0.0
     r.made += 1
-    r.elsewhere = r.rates_asked
     for i in range(n):
         r.made_for[i] = math.fabs(r.y[2 * n + i])
     r.iterations = 1
@@ -311,8 +300,7 @@ def put_whole(e: Engine, r: Radau, rtol: float) -> None:
     """
     n = r.n
     many = 3 * n
-    for i in range(n):
-        r.stage[i] = r.y[2 * n + i]
+    copy_part(n, r.y, 2 * n, r.stage, 0)
     tolerance(e, r.y0, r.stage, r.other)
     for k in range(many * many):
         r.whole.at[k] = 0.0
@@ -343,10 +331,7 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
     n = r.n
     r.twofold_from = math.inf
     t = stage_time(r, s)
-    far = False
-    r.chords = False
-    for i in range(n):
-        r.shifted[i] = r.y[s * n + i]
+    copy_part(n, r.y, s * n, r.shifted, 0)
     for j in range(n):
         here = r.shifted[j]
         delta = DIGITS * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
@@ -361,14 +346,11 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
             if not found:
                 r.shifted[j] = here - delta
                 found = rate_at(e, n, t, r.shifted, r.end) == OK
-        far = far or (found and reaches_far(n, r.f, s * n, r.end))
         width = r.shifted[j] - here
         for i in range(n):
             change = r.end[i] - r.f[s * n + i] if found and width != 0.0 else 0.0
             r.jacobian[i * n + j] = change / width if change != 0.0 else 0.0
         r.shifted[j] = here
-    if far:
-        slopes_by_laws(e, r, t, r.shifted)
 
 
 def falls_beyond(e: Engine, r: Radau) -> bool:

@@ -163,9 +163,6 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     r.beyond = False
     if e.model.tells != 0:
         r.blamed = RATE_BLAMED
-    if r.elsewhere:
-        r.matrix = NO_MATRIX
-        r.elsewhere = False
     r.from_edge = begins_at_edge(e, r, rtol)
     if r.matrix == NO_MATRIX:
         differences(e, r, rtol, False)

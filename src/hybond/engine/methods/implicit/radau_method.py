@@ -28,9 +28,7 @@ from hybond.engine.methods.implicit.radau import (
 from hybond.engine.methods.implicit.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.implicit.radau_room import ERROR_BLAMED, STAGES_BLAMED, Radau
 from hybond.engine.methods.implicit.radau_stages import rate_at, stage_time
-from hybond.engine.methods.implicit.rates_in_stages import IN_STAGES
 from hybond.engine.methods.implicit.stiffness import watch_implicit
-from hybond.engine.methods.linear.rates_off import FROM_ROUNDING
 from hybond.engine.methods.tolerances.defects import apart_at_end, end_levels
 from hybond.engine.methods.tolerances.scale import controlled, tolerance
 from hybond.engine.model import Model
@@ -165,12 +163,8 @@ def count_apart(e: Engine, r: Radau) -> None:
             for j in range(3):
                 moved += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
         apart_at_end(e, k, moved)
-    if e.model.tells == 0 or e.warned.swings:
-        return
-    if r.swings and not swings_about_jump(e, r):
-        warn_of_swings(e, False)
-    elif r.chords and r.blamed == ERROR_BLAMED and r.error <= 1.0:
-        warn_of_swings(e, True)
+    if e.model.tells != 0 and r.swings and not e.warned.swings and not swings_about_jump(e, r):
+        warn_of_swings(e)
 
 
 def swings_about_jump(e: Engine, r: Radau) -> bool:
@@ -186,38 +180,22 @@ def swings_about_jump(e: Engine, r: Radau) -> bool:
     return found or jump_lies_between(e, r.t1, r.y0, r.end)
 
 
-def warn_of_swings(e: Engine, along_chords: bool) -> None:
+def warn_of_swings(e: Engine) -> None:
     """Say once that the rates at the end of steps are off, where these swing within the tolerance.
 
-    By how much the way through the stages of the last one ends with other rates than laws say. How
-    far rates move within the step is none of it: friction breaks loose in one. Slopes of
-    chords hold no rates: there it is said where a rate is off by much of itself, and by more than
-    rounding, and than over a step it may be elsewhere.
+    By how much the last one leads elsewhere than what it is said to end with.
     """
     m = e.model
     s = e.step
-    r = e.radau
     most = OFF
     which = -1
     for k in range(m.storages):
         size = e.checks.largest[m.bond_class[m.storage_bond[k] + rate_kind(m, k)]]
-        moved = 0.0
-        for j in range(3):
-            moved += BUTCHER_INVERSE[6 + j] * r.z[j * r.n + k]
-        off = math.fabs(s.f[k] - moved / r.h)
-        if along_chords:
-            own = max(math.fabs(s.f[k]), math.fabs(moved / r.h))
-            least = max(OFF * own, IN_STAGES * r.tolerance[k] / r.h)
-            terms = 0.0
-            for j in range(r.n):
-                terms += math.fabs(r.jacobian[k * r.n + j] * s.y1[j])
-            if off > max(least, FROM_ROUNDING * terms) and which < 0:
-                most = off / size if size > 0.0 else 0.0
-                which = k
-        elif off > most * size and size > 0.0:
+        off = math.fabs(s.f[k] - (s.y1[k] - s.y0[k]) / (s.t1 - s.t0))
+        if off > most * size and size > 0.0:
             most = off / size
             which = k
-    if which < 0 or (along_chords and swings_about_jump(e, r)):
+    if which < 0:
         return
     e.warned.swings = True
     size = e.checks.largest[m.bond_class[m.storage_bond[which] + rate_kind(m, which)]]

@@ -148,20 +148,6 @@ class Radau:
     """What differences for the Jacobian are of the usual ones; when that was last in doubt."""
     doubted_at: float
     slopes_before: Block
-    elsewhere: bool
-    """Whether the Jacobian is that of a stage, and along a steep law of no other place."""
-    chords: bool
-    """Whether the Jacobian has slopes of chords, over a bend of a law that is steep at rest."""
-    differences: Block
-    by_laws: Block
-    """Slopes by laws: what differences had, factors of the laws, with rows of pivots, what is left
-    of them, their values; bond variables, and by how much a state moves them; a state beside."""
-    by_laws_row: Places
-    laws_left: Block
-    laws_now: Block
-    bonds_here: Block
-    bonds_moved: Block
-    moved_state: Floats
     sided: bool
     """Whether the last one would have been another, had it not stayed on its side of a kink."""
     beyond: bool
@@ -240,14 +226,6 @@ def make_radau(n: int) -> Radau:
     r.nearer = 1.0
     r.doubted_at = math.nan
     r.slopes_before = make_block(1)
-    r.differences = make_block(1)
-    r.by_laws = make_block(1)
-    r.by_laws_row = make_places(1)
-    r.laws_left = make_block(1)
-    r.laws_now = make_block(1)
-    r.bonds_here = make_block(1)
-    r.bonds_moved = make_block(1)
-    r.moved_state = floats(n)
     r.kept_rest = make_block(1)
     r.piece_t0 = floats(PIECES)
     r.piece_t1 = floats(PIECES)

@@ -24,7 +24,6 @@ from hybond.engine.methods.implicit.beside_kinks import (
 )
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import FRESH_MATRIX, rate_at
-from hybond.engine.methods.implicit.slopes_by_laws import reaches_far, slopes_by_laws
 from hybond.engine.methods.linear.graded import fast_from
 from hybond.engine.methods.tolerances.scale import (
     ROUNDED,
@@ -120,8 +119,6 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     fit(r.jacobian_rest, n * n if closely else 1)
     one_side = not across and see_sides(e, r)
     behind = one_side and go_behind(e, r, rtol)
-    far = False
-    r.chords = False
     for i in range(n):
         r.shifted[i] = r.y0[i]
     for j in range(n):
@@ -149,7 +146,6 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
             delta *= RADAU_NEAR
         if one_side and found == OK and is_beyond(e, r):
             found = stay_on_side(e, r, j)
-        far = far or (found == OK and reaches_far(n, r.f0, 0, r.end))
         width = r.shifted[j] - r.y0[j]
         for i in range(n):
             # off its constraints, or where laws end or jump, a state may have no rates; nothing
@@ -160,8 +156,6 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
                 rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
             put_slope(r, i * n + j, change, rest, width, closely)
         r.shifted[j] = r.y0[j]
-    if far:
-        slopes_by_laws(e, r, r.t0, r.y0)
     if behind:
         come_back(r)
     know_settling(e, r.jacobian)

@@ -197,7 +197,6 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
     place_stages(r)
     other = False
     found_all = False
-    open_before = 0.0
     resting = n + 1
     count = 0
     while count < ITERATIONS:
@@ -248,16 +247,8 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             if ahead > enough and not found_all:
                 return STAGES_FAILED
         found_all = found_all or r.now_left * r.size <= enough
-        left_rates = r.now_left
-        if e.model.begins > 0 and r.rates_asked:
-            # one matrix leads what follows along a steep law: how fast says what it does itself
-            part = 1.0
-            if count > 1 and open_before > 0.0:
-                part = min(open_rates / open_before, 1.0)
-            left_rates = part
-        if found_all and (count == ITERATIONS or left_rates * open_rates <= OPEN):
+        if found_all and (count == ITERATIONS or r.now_left * open_rates <= OPEN):
             return STAGES_CONVERGED
         before = r.size
-        open_before = open_rates
         copy_floats(3 * n, r.last, r.swung)
     return STAGES_FAILED

@@ -36,8 +36,8 @@ are measured by what they were, and what was let in at first is forgotten soon."
 def ask_rates_too(e: Engine, r: Radau) -> None:
     """Find what rates of storages may be off by over the step that is tried.
 
-    Where slopes have no bound, at edges of laws and where they end, or are those of chords, none
-    are asked: what an error makes of rates there is not what it is a moment later.
+    Where slopes have no bound, at edges of laws and where they begin or end, none are asked: what
+    an error makes of rates there is not what it is a moment later.
     """
     m = e.model
     n = r.n
@@ -45,7 +45,7 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
     for i in range(n):
         r.rate_may[i] = math.inf
         r.bent[i] = 0.0
-    if m.edges > 0 or m.bends > 0.0 or e.slide.k > 0 or r.chords:
+    if m.edges > 0 or m.begins > 0 or m.bends > 0.0 or e.slide.k > 0:
         return
     for i in range(m.storages):
         if not r.tolerance[i] > 0.0:
@@ -56,9 +56,7 @@ def ask_rates_too(e: Engine, r: Radau) -> None:
         for j in range(n):
             slope = math.fabs(r.jacobian[i * n + j])
             off += slope * r.tolerance[j]
-            # what drives a flow along a steep law has the rounding of what is there now
-            size = math.fabs(r.y0[j])
-            terms += slope * (size if m.begins > 0 else max(size, e.lately[j]))
+            terms += slope * max(math.fabs(r.y0[j]), e.lately[j])
             moved += slope * math.fabs(r.f0[j])
         if r.h * off > IN_STAGES * r.tolerance[i]:
             rounding = max(FROM_ROUNDING * terms, OF_TIME * math.fabs(r.t0) * moved)
