@@ -101,3 +101,16 @@ def test_an_integral_let_go_from_a_limit_of_zero(
         want = driven(t) - driven(free) * math.exp((free - t) / lag)
         assert run["z"].at(t) == pytest.approx(sign * want, rel=1e-6)
     assert run["z"].at(free - 0.01) == pytest.approx(0.0, abs=1e-9 * gain)
+
+
+@pytest.mark.parametrize("phase", [3.907692307692308, 3.7, 4.2])
+@pytest.mark.parametrize("law", ["if z <= 0 then max(0, u) else u", "if z > 0 or u >= 0 then u else 0"])
+def test_an_integral_that_begins_at_its_limit(law: str, phase: float) -> None:
+    """By radau it stayed there for ever, silently: what is not refused is right."""
+    m = hb.Model("begins")
+    m.signal(u=f"sin(7.3*time + {phase}) + 0.1", z=hb.Integral(law))
+    go = (2.0 * math.pi - math.asin(0.1) - phase) / 7.3
+    meant = (math.cos(7.3 * go + phase) - math.cos(7.3 * 0.6 + phase)) / 7.3 + 0.1 * (0.6 - go)
+    assert hb.simulate(m, 2.0)["z"].at(0.6) == pytest.approx(meant, abs=1e-6)
+    run = hb.simulate(m, 2.0, solver="radau", on_error="return")
+    assert run.status == "error" or run["z"].at(0.6) == pytest.approx(meant, abs=1e-6)

@@ -18,7 +18,7 @@ from hybond.engine.guards.naps import LONGEST_NAP, pass_step
 from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_there
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
-from hybond.engine.methods.stepping import between, reach, retry
+from hybond.engine.methods.stepping import between, by_radau, reach, retry
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
@@ -97,8 +97,10 @@ def is_in_vain(e: Engine, r: Run) -> bool:
 
     What waits at a limit by next to nothing, as an integral that has stopped there, seems to pass
     it in a step that reaches over where it is let go: what the polynomial is off by does that.
+    Implicit steps may be solved by either side of the jump, and where they begin at the limit by
+    the wrong one.
     """
-    if not (r.jumps and r.leads_back) or r.kink < 0:
+    if not (r.jumps and r.leads_back) or r.kink < 0 or by_radau(e):
         return False
     g = r.locator
     atom = e.model.atom_value[e.model.kink_atom + r.kink]

@@ -141,9 +141,16 @@ def follow_roots(e: Engine) -> None:
             part *= 2.0
         elif shortest and jumps(e, mode, t):
             e.work.following.rated = False
-            put_point(e, mode, t)
             gone = t
             part *= 2.0
+            if e.model.laws > 0:
+                # which branches of junctions hold behind it is not settled yet
+                b.points = 0
+                gone = s.t1
+            elif solves_at(e, t, e.work.following.y.at):
+                put_point(e, mode, t)
+            else:
+                b.ended = True
         elif b.basis != basis and again < AGAIN:
             # rows were eliminated anew: what slopes are by, and the sign of their determinant
             e.work.following.rated = False
@@ -327,22 +334,27 @@ def is_next_to(e: Engine, mode: Mode) -> bool:
 
 
 def jumps(e: Engine, mode: Mode, t: float) -> bool:
-    """Whether it is what is known that jumps just before a time, as a source does; solved there."""
+    """Whether it is what is known that jumps just before a time, as a source does.
+
+    A source shows in the bond variables as they are with all unknowns at zero.
+    """
     m = e.model
     b = mode.branch
     f = e.work.following
     s = e.step
-    fit(f.known_here, 3 * m.bond_slot)
+    n = m.bond_slot + 2 * m.bonds
+    fit(f.known_here, 4 * n)
     at = f.known_here.at
-    for look in range(3):
-        when = s.t0 if look == 0 else s.t1 if look == 1 else b.when.at[b.points - 1]
-        write_at(e, when)
-        copy_part(m.bond_slot, e.v, 0, at, look * m.bond_slot)
-    write_at(e, t)
-    for k in range(1, m.bond_slot):
-        whole = math.fabs(at[m.bond_slot + k] - at[k])
-        if math.fabs(e.v[k] - at[2 * m.bond_slot + k]) > JUMPS * whole:
-            return solves_at(e, t, f.y.at)
+    for look in range(4):
+        when = s.t0 if look == 0 else s.t1 if look == 1 else t
+        write_at(e, b.when.at[b.points - 1] if look == 2 else when)
+        know(e, mode, e.v)
+        copy_part(m.bond_slot, e.v, 0, at, look * n)
+        copy_part(2 * m.bonds, e.work.base, 0, at, look * n + m.bond_slot)
+    for k in range(1, n):
+        whole = math.fabs(at[n + k] - at[k])
+        if math.fabs(at[3 * n + k] - at[2 * n + k]) > JUMPS * whole:
+            return True
     return False
 
 
