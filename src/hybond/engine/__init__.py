@@ -174,7 +174,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         beginning           what is a priori where a run begins; states it cannot begin in
         staying, passed_over    what is known of the last trial; modes without a solution
         indeterminate       truths that depend on what is open
-        open_ways, open_integrals    ... and on integrals and samples of that
+        open_integrals      ... and on integrals of that
         jump_balance        energy of a jump that comes from nowhere
         doubts, left_out, telling, told, instant    what is warned of, told and written down
     sliding/
@@ -214,8 +214,6 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         phases              how phases of the plant go on, such as the angle of a flywheel
         courses_kept        what is known of both, for a run that goes on
         roots_followed      which of several solutions of laws goes on, and where it ends
-        struck_at_kink      sources that jump onto a contact
-        opened              what comes to be open within a mode
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest
         on_surfaces, level_jumps    a step along surfaces ends: the state is put back, unless they

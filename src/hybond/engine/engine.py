@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
+from hybond.engine.algebra.blocks import Block, make_block
 from hybond.engine.algebra.svd import Svd, make_svd
 from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
@@ -94,24 +94,6 @@ class Trial:
     """Integrated signals before they are moved: three numbers of each."""
     ways: Block
     """The ways in which integrated signals are free: each has a number for each of them."""
-    upright: Block
-    """The same at right angles, by which it is known whether another one is new."""
-    two_sided: Places
-    """Whether signals may move along each of the ways to its other side as well."""
-    open_ways: int
-    """How many there are where time passes since the last instant."""
-    kept_ways: Block
-    kept_sides: Places
-    kept_many: int
-    """The ways in which they are free at the instant, by what was open before, and how many."""
-    open_signal: Ints
-    kept_signal: Ints
-    """Which integrated signals are free then and then, for a run that goes on."""
-    kept_bonds: Floats
-    """Bond variables before they follow signals that are moved."""
-    kept_knowns: Floats
-    bonds_follow: bool
-    """Whether bond variables follow signals that are free."""
     dusted: bool
     """Whether rounding was swept out of what is stored."""
     factors: int
@@ -322,17 +304,6 @@ def make_trial(m: Model) -> Trial:
     trial.rates = floats(m.integrals)
     trial.kept_signals = floats(3 * m.integrals)
     trial.ways = make_block(1)
-    trial.upright = make_block(1)
-    trial.two_sided = make_places(1)
-    trial.kept_ways = make_block(1)
-    trial.kept_sides = make_places(1)
-    trial.open_ways = 0
-    trial.kept_many = 0
-    trial.open_signal = ints(m.integrals)
-    trial.kept_signal = ints(m.integrals)
-    trial.kept_bonds = floats(4 * m.bonds)
-    trial.kept_knowns = floats(m.storages + 2 * m.most_sources)
-    trial.bonds_follow = False
     trial.factor = make_block(1)
     trial.through = ints(m.machines)
     return trial

@@ -26,9 +26,6 @@ OPEN_BEFORE: Final = 2
 """What leaves a guard without truth: nothing, values or impulses at the instant, values before."""
 FAR: Final = 1e3
 """How far values are moved, as a multiple of the largest."""
-NEARER: Final = 0.25
-POINTS: Final = 11
-"""How often on the way there a guard is asked, and where: it may hold within limits only."""
 
 
 def keep_open_before(e: Engine) -> None:
@@ -123,18 +120,10 @@ def turns(
                     size += math.fabs(freedom[k * many + i])
             terms[first + k] = kept[n + k] + max(up, -down) * size
         truths = 0
-        for side in range(2 * POINTS + 1 + m.read_first[rule + 1] - m.read_first[rule]):
-            far = 0.0
-            if side < 2 * POINTS:
-                far = (up if side % 2 == 0 else down) * math.pow(NEARER, float(side // 2))
-            elif side > 2 * POINTS:
-                far = to_zero(e, rule, side - 2 * POINTS - 1, many, freedom, j)
-            if truths == 3 or far > up or far < down:
-                continue
-            for i in range(m.read_first[rule], m.read_first[rule + 1]):
-                k = m.read_slot[i] - first
-                if k >= 0 and k < n:
-                    values[first + k] = kept[k] + far * freedom[k * many + j]
+        for side in range(3):
+            far = up * float(side // 2) + down * float((2 - side) // 2)
+            for k in range(n):
+                values[first + k] = kept[k] + far * freedom[k * many + j]
             truths = truths | truths_of(e, rule)
         turned = truths == 3
     for k in range(n):
@@ -149,16 +138,6 @@ def truths_of(e: Engine, rule: int) -> int:
     if e.work.stack.refused != 0:
         return 0
     return 2 if true else 1
-
-
-def to_zero(e: Engine, rule: int, i: int, many: int, freedom: Floats, j: int) -> float:
-    """Return how far to go along direction j for the i-th value that a guard reads to be zero."""
-    m = e.model
-    k = m.read_slot[m.read_first[rule] + i] - m.bond_slot
-    if k < 0 or k >= 2 * m.bonds:
-        return 0.0
-    along = freedom[k * many + j]
-    return -e.work.generic[k] / along if along != 0.0 else 0.0
 
 
 def reads_along(e: Engine, rule: int, many: int, freedom: Floats, j: int) -> bool:

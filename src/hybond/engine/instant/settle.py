@@ -44,8 +44,7 @@ from hybond.engine.instant.instant import (
 )
 from hybond.engine.instant.jump_balance import hold_jump, jump_may_create
 from hybond.engine.instant.left_out import warn_of_left_out
-from hybond.engine.instant.open_integrals import refuse_kept_open, refuse_open_integrals
-from hybond.engine.instant.open_ways import end_interval, see_open_samples
+from hybond.engine.instant.open_integrals import refuse_open_integrals
 from hybond.engine.instant.passed_over import enter_or_pass
 from hybond.engine.instant.settling import Settling, look_for_cycle
 from hybond.engine.instant.staying import (
@@ -157,9 +156,6 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     g.marked = False
     hold_before(e, t, e.model.timed_jumps)
     known = a_priori(e, t, g.x, g.s, g.state) == OK
-    for k in range(2 * m.bonds if m.laws > 0 and e.laws.bonds_noted else 0):
-        # the state is behind a kink at which a source jumps
-        e.pre[m.bond_slot + k] = e.laws.bonds_before[k]
     begins = i.cause == START and m.laws > 0
     if not known and not (begins and stand_without_before(e, t, g.x, g.s, g.state, g.begin)):
         return a_priori(e, t, g.x, g.s, g.state)
@@ -167,12 +163,8 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
         # what is sampled now is of branches that stand, too
         stand_before(e, t, g.x, g.s, g.state, g.begin)
     keep_open_before(e)
-    end_interval(e)
-    sampled_at = e.sampled_at
     if sample(e, g.s) != OK:
         return REFUSED
-    if e.sampled_at != sampled_at:
-        see_open_samples(e, g.s)
     interval_after(e, t)
     choose_at(e, g.x, g.s)
     know_around(e, g.state)
@@ -427,8 +419,6 @@ def rule_holds(e: Engine, t: float, k: int, r: int) -> int:
             if m.tells != 0:
                 tell_open_rule(e, r, open_at)
             return -1
-    if refuse_kept_open(e, r) != OK:
-        return -1
     stack = e.work.stack
     measure_trial(e, r)
     true = holds_from(m, r, stack, level_of(e, k, r))

@@ -41,7 +41,7 @@ SURFACES = {
     SLIDES_OFF: "no longer pushed into from both sides",
     PARTS: "it has jumped away",
 }
-OPEN_BEFORE, OPEN_SINCE, OPEN_RATE, OPEN_EARLIER = 2, 3, 4, 5
+OPEN_BEFORE, OPEN_SINCE = 2, 3
 """When what a guard reads was open: as in `indeterminate` and `open_integrals` of the engine."""
 SLIDING = -1
 """The state of a machine that slides."""
@@ -206,10 +206,7 @@ class Explaining:
 
     def open(self, found: Instants, v: int) -> tuple[str, ...]:
         """Return the bond variables that the equations of a mode visited leave open."""
-        return self.bonds(found.rows.open[found.open[v] : found.open[v + 1]].tolist())
-
-    def bonds(self, numbers: Sequence[int]) -> tuple[str, ...]:
-        """Return what bond variables are called, each once."""
+        numbers = found.rows.open[found.open[v] : found.open[v + 1]].tolist()
         return tuple(dict.fromkeys(self._bonds[k] for k in numbers))
 
     def rule(self, number: int) -> Rule:
@@ -225,10 +222,8 @@ class Explaining:
 
         `when` is `OPEN_BEFORE` if that was so before the instant.
         """
-        if when == OPEN_RATE:
-            return self._of_open_rate(rule, free, mode)
-        if when in (OPEN_SINCE, OPEN_EARLIER):
-            return self._on_open_integrals(rule, when, {f"s:{k}" for k in free}, mode)
+        if when == OPEN_SINCE:
+            return self._on_open_integrals(rule, {f"s:{k}" for k in free}, mode)
         guard = self._rules[rule]
         bonds = len(self.graph.bonds)
         moved = {f"{'e' if k < bonds else 'f'}:{k % bonds}" for k in free}
@@ -238,16 +233,7 @@ class Explaining:
         where = "before this instant" if before else f"in mode ({self.graph.mode_text(mode)})"
         return f"the guard {guard.said!r} reads {read}, which the equations leave open {where}"
 
-    def _of_open_rate(self, storage: int, free: Sequence[int], mode: Mode) -> str:
-        """Say that what is stored moves by what is open, or by signals `free` that are."""
-        where = f"in mode ({self.graph.mode_text(mode)})"
-        what = f"the rate of {self.graph.storages[storage].path}"
-        if not free:
-            return f"{what} depends on what the equations leave open {where}"
-        paths = ", ".join(i.path for i in self.graph.integrals if i.index in free)
-        return f"{what} depends on {paths}, which the equations have left open, {where}"
-
-    def _on_open_integrals(self, reader: int, when: int, free: set[str], mode: Mode) -> str:
+    def _on_open_integrals(self, reader: int, free: set[str], mode: Mode) -> str:
         """Say that a guard, or the gap of port ``-1 - reader``, reads integrals of what is open."""
         if reader >= 0:
             guard = self._rules[reader]
@@ -260,11 +246,6 @@ class Explaining:
             found = names(law.gap) if law.gap is not None else frozenset()
             read = [named[name] for name in sorted(found & free)]
         where = f"in mode ({self.graph.mode_text(mode)})"
-        if when == OPEN_EARLIER or not read:
-            # it may read what follows these
-            paths = (i.path for i in self.graph.integrals if f"s:{i.index}" in free)
-            depends = ", ".join(read or paths)
-            return f"{what} depends on {depends}, which the equations have left open, {where}"
         open_ = "an integral" if len(read) == 1 else "integrals"
         return f"{what} reads {', '.join(read)}, {open_} of what the equations leave open {where}"
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from hybond.causality.record import Conflict
 from hybond.engine.compiled.refusal import Refusal
-from hybond.engine.outcome.explain import OPEN_RATE, Explaining
+from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.sides import machine_instead
 from hybond.equations.calculus import localised, reads_bonds
 from hybond.equations.element_parts import sends_impulses
@@ -168,8 +168,7 @@ def _function(guard: Expr) -> str:
 
 def _open(c: Case) -> Said:
     rule, when, *free = c.numbers
-    of_rule = rule >= 0 and when != OPEN_RATE
-    place = c.explain.machine_of(rule).path if of_rule else c.refusal.place
+    place = c.explain.machine_of(rule).path if rule >= 0 else c.refusal.place
     return Said(c.explain.guard_on_open(rule, when, free, c.mode), f"{place} {c.now}")
 
 

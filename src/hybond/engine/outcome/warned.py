@@ -22,11 +22,11 @@ NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
-GUARD_AT_REST, UNRESOLVED, ROOT, OPENS = 22, 23, 24, 25
+GUARD_AT_REST, UNRESOLVED, ROOT = 22, 23, 24
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
-    *(IMPULSE_LEFT_OUT, OPENS),
+    IMPULSE_LEFT_OUT,
 )
 """Those whose text does not say when: once said, they are said."""
 SLIDES, ABOVE = 0, 1
@@ -211,14 +211,6 @@ class Warnings:
             mode: Mode = tuple(rest[:machines])
             text = self.explain.guard_on_open(rule, when, rest[machines:], mode)
             return f"{text}; least leakage decides, as the model asks"
-        if kind == OPENS:
-            machines = len(self.graph.machines)
-            names = ", ".join(self.explain.bonds(numbers[machines:]))
-            entered: Mode = tuple(numbers[:machines])
-            return (
-                f"in mode ({self.graph.mode_text(entered)}) the equations come to leave {names} "
-                "open while time passes; least leakage decides"
-            )
         if kind == SHARES_OPEN:
             names = ", ".join(self.graph.nodes[self._ports[k]].path for k in numbers)
             return (

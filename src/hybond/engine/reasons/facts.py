@@ -5,8 +5,7 @@ Only where somebody puts it into words: `tells` of the model. The numbers of eac
 HB-C101    the states of the mode; the difference; of each source: its column, its element
 HB-J101    the rule, or ``-1 - k`` for integrated signal k
 HB-J102    the rule; when (1 at the instant, 2 before it); bond variables that are open;
-           the rule or ``-1 - k`` for the gap of port k; 3, or 5 if open before; integrated signals
-           that are open; the storage; 4; the same, none if its rate is open itself
+           the rule or ``-1 - k`` for the gap of port k; 3; integrated signals that are open
 HB-J110/2  0 impulses, 1 finite values; the ports that take part
 HB-J111    the rules that held, in the order in which they were found
 HB-M205    the port; how fast its gap opens; how fast its bonds close

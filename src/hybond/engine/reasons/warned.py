@@ -77,8 +77,6 @@ that was at the most, and its rounding; said once."""
 ROOT: Final = 24
 """No warning: of laws with several solutions, a point of the one that is followed, for who looks
 into the motion. Numbers: all bond variables."""
-OPENS: Final = 25
-"""A mode comes to leave something open within. Numbers: its states, bond variables."""
 
 
 @record

@@ -24,7 +24,6 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.course_records import many_kept
 from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
-from hybond.engine.instant.open_ways import begin_open, note_open
 from hybond.engine.jumps.trial import a_priori
 from hybond.engine.laws.branches import choose_anew
 from hybond.engine.method_numbers import MOREAU
@@ -205,13 +204,6 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_ints(c, atoms, e.rests.creeps)
     e.rests.some = carry_truth(c, e.rests.some)
     carry_floats(c, m.integrals, e.sample_terms)
-    e.trial.settled_at = carry_number(c, e.trial.settled_at)
-    if not c.puts:
-        note_open(e)
-    carry_ints(c, m.integrals, e.trial.open_signal)
-    carry_ints(c, m.integrals, e.trial.kept_signal)
-    if c.puts:
-        begin_open(e)
     carry_standing(e, c)
     g.events = carry_whole(c, g.events)
     carry_step(e, r, c)

@@ -74,7 +74,6 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.noted import go_on, note, tell_at_end
-from hybond.engine.run.opened import comes_open
 from hybond.engine.run.roots_followed import begin_to_follow, follow_roots
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
@@ -98,7 +97,6 @@ from hybond.engine.run.slips_followed import follow, lead_to_rest
 from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.step_motion import flow_in_steps, settle_in_steps
 from hybond.engine.run.stranded import in_vain
-from hybond.engine.run.struck_at_kink import forget_bonds
 from hybond.engine.sliding.sliding import slide_after
 from hybond.engine.surfaces.led_by_bonds import combine_led
 from hybond.engine.surfaces.values import begin_field, field
@@ -200,7 +198,6 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     if settle(e, r.settling, i) != OK:
         return REFUSED
     forget_gaps(e)
-    forget_bonds(e)
     settled = i.steps > 0
     if settled:
         observe_event(e, i)
@@ -364,7 +361,7 @@ def flow(e: Engine, r: Run) -> int:
             if e.checks.looked == e.t and e.checks.shown_at == e.t:
                 look_at_guards(e)
             rest_at_roots(e, r)
-            if e.slide.parts_now or comes_open(e):
+            if e.slide.parts_now:
                 return LAW
             if see_crawl(e, r) != OK or go_on(e) != OK:
                 return -1

@@ -189,8 +189,6 @@ def begin(e: Engine) -> None:
     e.span = m.span
     e.t = 0.0
     e.trial.settled_at = 0.0
-    e.trial.open_ways = 0
-    e.trial.kept_many = 0
     for k in range(m.storages):
         e.y[k] = m.storage_start[k]
     for k in range(m.integrals):
