@@ -13,8 +13,6 @@ from typing import Any
 import pytest
 
 import hybond as hb
-from hybond.engine.engine import OK
-from hybond.engine.instant import settle
 from hybond.engine.laws import law_jumping
 from hybond.engine.mode import solving
 from hybond.engine.mode.left_free import undetermined
@@ -66,8 +64,6 @@ def test_a_saturated_law_that_is_projected_away(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(undetermined, "holds_at", lambda *_: True)
     monkeypatch.setattr(solving, "least_of_free", always)
     monkeypatch.setattr(flattening, "with_flat_pieces", lambda graph: graph)
-    # what is free of the rate would be refused before
-    monkeypatch.setattr(settle, "refuse_open_integrals", lambda *_: OK)
     run = ended(dragged(law), 2.0)
     assert run.status == "unsound", run.error
     assert run.error is not None and run.error.where == "rub" and not run.audit().holds()

@@ -214,6 +214,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         phases              how phases of the plant go on, such as the angle of a flywheel
         courses_kept        what is known of both, for a run that goes on
         roots_followed      which of several solutions of laws goes on, and where it ends
+        struck_at_kink      sources that jump onto a contact
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest
         on_surfaces, level_jumps    a step along surfaces ends: the state is put back, unless they

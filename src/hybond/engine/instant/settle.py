@@ -156,6 +156,9 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     g.marked = False
     hold_before(e, t, e.model.timed_jumps)
     known = a_priori(e, t, g.x, g.s, g.state) == OK
+    for k in range(2 * m.bonds if m.laws > 0 and e.laws.bonds_noted else 0):
+        # the state is behind a kink at which a source jumps
+        e.pre[m.bond_slot + k] = e.laws.bonds_before[k]
     begins = i.cause == START and m.laws > 0
     if not known and not (begins and stand_without_before(e, t, g.x, g.s, g.state, g.begin)):
         return a_priori(e, t, g.x, g.s, g.state)

@@ -151,6 +151,9 @@ class Laws:
     gaps_given: bool
     """Whether the state is one that was given, whose contacts may be said to be closed."""
     gaps_noted: bool
+    bonds_noted: bool
+    bonds_before: Floats
+    """Bond variables before a kink at which a source jumps onto a contact, if they are noted."""
     gap_before: Floats
     """Gaps just before the instant that is settled, where they may jump, ..."""
     gap_earlier: Floats
@@ -339,6 +342,8 @@ def make_laws(m: Model) -> Laws:
     r.reach = floats(n)
     r.reach_t = math.nan
     r.gap_before = floats(n)
+    r.bonds_noted = False
+    r.bonds_before = floats(2 * m.bonds)
     r.gap_earlier = floats(n)
     r.comes = ints(m.machines)
     r.role = ints(n)

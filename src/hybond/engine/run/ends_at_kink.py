@@ -28,6 +28,12 @@ from hybond.engine.run.noted import note
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import Run, bound_of
 from hybond.engine.run.source_jumps import jumps_onto_storage
+from hybond.engine.run.struck_at_kink import (
+    forget_bonds,
+    jumps_onto_contact,
+    kink_jumps_onto_contact,
+    see_before_kink,
+)
 from hybond.engine.words import Floats
 
 DOUBLED: Final = 16
@@ -43,9 +49,13 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     tried = e.step.t1 - e.step.t0
     if end_at_kink(e, r, at) != OK:
         return -1
+    struck = e.model.laws > 0 and kink_jumps_onto_contact(e, r, at)
     if jumps_onto_storage(e, r, at):
         report_step(e, r.report)
         return LAW if count_kink(e, r) == OK else -1
+    if struck:
+        noted = note(e, r, e.step.t1, e.step.t1) == OK
+        return LAW if noted and count_kink(e, r) == OK else -1
     vain = is_in_vain(e, r)
     if vain:
         r.jumps = False
@@ -119,12 +129,17 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
     """
     g = r.locator
     kink = last_before_kink(e, g, at)
+    if e.model.laws > 0:
+        see_before_kink(e, r, at)
     if end_short_of_kink(e, r, at) != OK:
         stuck_at_kink(e, r)
         return -1
     if not some_guard_holds(e, g):
+        forget_bonds(e)
         return go_up_to(e, r, kink)
     g.at = e.step.t1
+    if e.model.laws > 0:
+        jumps_onto_contact(e, r)
     return GUARD
 
 

@@ -97,6 +97,7 @@ from hybond.engine.run.slips_followed import follow, lead_to_rest
 from hybond.engine.run.source_jumps import jumps_at_end, jumps_at_once
 from hybond.engine.run.step_motion import flow_in_steps, settle_in_steps
 from hybond.engine.run.stranded import in_vain
+from hybond.engine.run.struck_at_kink import forget_bonds
 from hybond.engine.sliding.sliding import slide_after
 from hybond.engine.surfaces.led_by_bonds import combine_led
 from hybond.engine.surfaces.values import begin_field, field
@@ -198,6 +199,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     if settle(e, r.settling, i) != OK:
         return REFUSED
     forget_gaps(e)
+    forget_bonds(e)
     settled = i.steps > 0
     if settled:
         observe_event(e, i)
