@@ -104,7 +104,9 @@ def test_an_integral_let_go_from_a_limit_of_zero(
 
 
 @pytest.mark.parametrize("phase", [3.907692307692308, 3.7, 4.2])
-@pytest.mark.parametrize("law", ["if z <= 0 then max(0, u) else u", "if z > 0 or u >= 0 then u else 0"])
+@pytest.mark.parametrize(
+    "law", ["if z <= 0 then max(0, u) else u", "if z > 0 or u >= 0 then u else 0"]
+)
 def test_an_integral_that_begins_at_its_limit(law: str, phase: float) -> None:
     """By radau it stayed there for ever, silently: what is not refused is right."""
     m = hb.Model("begins")

@@ -83,3 +83,17 @@ def test_a_diode_that_blocks_leaves_the_law_on_the_solution_it_was_on(*, away: b
         # what the law takes comes out of the capacitor, through 1 ohm each
         assert x > 1.5 and 2.0 * x**3 - 5.0 * x == pytest.approx(c, abs=1e-8)
     assert float(run["C.e"].at(3.0)) < 3.0**0.5
+
+
+@pytest.mark.parametrize("turns", [1.5, 1.2, 1.01])
+def test_a_source_that_jumps_behind_a_diode_ends_no_solution(turns: float) -> None:
+    """The capacitor keeps its voltage over the jump, once the diode has blocked."""
+    m = hb.Model("jumps", domain="electrical")
+    m.add(V=hb.Se("1 [V]*sign(sin(7*time/(1 s)))"), z=hb.Zero(), d=hb.One(law="diode"))
+    m.add(i=hb.One(), r=hb.R("1 ohm"), C=hb.C("0.01 F"), R=hb.R("6 ohm"))
+    m.add(G=hb.G({"f": f"(e/(1 [V]))^3*(1 [A]) - {turns}*e/(1 [ohm])"}))
+    m.bond("V -> d -> z -> i -> r", "i -> G", "z -> C", "z -> R")
+    run = hb.simulate(m, 1.0)
+    for t in (0.3, 0.6, 0.95):
+        x, u = float(run["G.e"].at(t)), float(run["C.e"].at(t))
+        assert x > 0.0 and x**3 - (turns - 1.0) * x == pytest.approx(u, abs=1e-9)
