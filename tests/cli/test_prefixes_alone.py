@@ -32,6 +32,9 @@ def test_what_is_a_unit_or_means_two_things_stays(text: str) -> None:
 def test_ranges_and_lists() -> None:
     assert values_of("R=1k..2k:3") == ("R", [1000.0, 1500.0, 2000.0])
     assert values_of("R=1k, 2.2kohm") == ("R", ["1e3", "2.2kohm"])
+    # 3 was in m/s, 5 in mph, and nothing told it
+    with pytest.raises(hb.UsageError, match="HB-X103"):
+        values_of("v=3,5 mph")
 
 
 def test_a_resistance_that_is_set_so() -> None:

@@ -171,6 +171,18 @@ def test_refusals(tmp_path: Path) -> None:
         path.write_text(text, encoding="utf-8")
         refused("HB-A530", path)
     refused("HB-A530", tmp_path / "none.csv")
+    refused("HB-A530", {"t [mm]": [1.0, 2.0], "c.e": [1.0, 1.0]})
+
+
+def test_data_in_a_unit_of_something_else_are_refused() -> None:
+    """It was a factor without a word."""
+    m = hb.Model("rc", domain="electrical")
+    m.add(c=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), n=hb.Zero())
+    m.bond("n -> c", "n -> r")
+    with pytest.raises(hb.UsageError, match="is measured in m, and is in V"):
+        hb.fit(m, {"t": [0.5, 1.0], "c.e [m]": [6.0, 3.6]}, free=["r.R"])
+    found = hb.fit(m, {"t": [0.5, 1.0], "c.e [mV]": [6e3, 3.6e3]}, free=["r.R"])
+    assert 900.0 < found["r.R"] < 1100.0
 
 
 def test_a_resistor_is_matched_to_its_source() -> None:

@@ -242,3 +242,23 @@ def test_a_counter_counts_what_it_sees() -> None:
     run = alone("control.counter", 4.05, u="mod(time, 1) >= 0.5", every=0.1, start=7)
     assert run["p.out"].at([0.3, 1.0, 2.0, 4.0]).tolist() == [7, 8, 9, 11]
     assert alone("control.counter", 4.05, u="mod(time, 1) >= 0.95", every=0.1)["p.out"].at(4) == 0
+
+
+@pytest.mark.parametrize(
+    "part, given",
+    [
+        ("pi", {"kp": 1, "low": -1, "high": 1}),
+        ("pid", {"kp": 10, "kd": "10 s", "low": -1, "high": 1}),
+    ],
+)
+def test_without_an_integral_a_limit_leaves_nothing_behind(
+    part: str, given: dict[str, object]
+) -> None:
+    """What the limit led back stayed there for ever: 1.1 m for 5."""
+    m = hb.Model("reaches", domain="translational")
+    m.add(push=hb.Se("ctl.out*(1 [N])"), v=hb.One(), mass=hb.I("1 kg"), drag=hb.R("1 N*s/m"))
+    m.bond("push -> v -> mass", "v -> drag")
+    m.signal(x=hb.Integral("v.f"))
+    m.add(ctl=hb.Submodel(f"control.{part}", ki=0, inputs={"error": "5 - x/(1 [m])"}, **given))
+    run = hb.simulate(m, 60)
+    assert run["x"].at(60) == pytest.approx(5.0, abs=1e-6) and run.final["ctl.integral"] == 0.0

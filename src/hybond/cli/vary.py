@@ -53,9 +53,11 @@ def values_of(text: str) -> Values:
         _check_members(factor.many)
         return path, [factor.shown(float(v)) for v in factor.levels]
     if ".." not in given:
-        words: list[str | float] = [scaled(word) for word in split([given])]
+        written = split([given])
+        words: list[str | float] = [scaled(word) for word in written]
         if not path or not words:
             raise _refusal(f"{text!r} varies nothing")
+        _check_last_unit(written)
         return path, words
     span, _, count = (word.strip() for word in given.rpartition(":"))
     low, _, high = (scaled(word.strip()) for word in span.partition(".."))
@@ -105,6 +107,22 @@ def columns(vary: Sequence[str], *, together: bool) -> dict[str, list[str | floa
     _check_members(math.prod(len(values) for _, values in found))
     rows = list(itertools.product(*(values for _, values in found)))
     return {path: [row[k] for row in rows] for k, path in enumerate(paths)}
+
+
+def _check_last_unit(words: Sequence[str]) -> None:
+    """Refuse ``3,5 mph``: whether the unit is that of all of them is a guess."""
+    unit = _unit(words[-1])
+    if not unit or try_quantity(words[-1]) is None:
+        return
+    for word in words:
+        quantity = try_quantity(word)
+        if quantity is not None and quantity.value != 0.0 and not _unit(word):
+            raise UsageError(
+                f"{word!r} has no unit, and {words[-1]!r} has one",
+                code="HB-X103",
+                where="--vary",
+                hint=f"{word} {unit}, if it is in that unit",
+            )
 
 
 def _check_members(number: int) -> None:

@@ -7,7 +7,7 @@ import io
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from hybond.errors import FileError, UsageError
 from hybond.files.parse import read_regular
-from hybond.units import try_quantity
+from hybond.units import is_of, try_quantity
 
 Vector = NDArray[np.float64]
 
@@ -41,11 +41,14 @@ class Data:
         s, in order.
     columns : mapping of signal to array, shape (rows,)
         SI; nan where nothing was measured.
+    units : mapping of signal to str
+        Those that columns were given in.
     """
 
     name: str
     t: Vector
     columns: Mapping[str, Vector]
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_data(source: Any, number: int = 1) -> Data:
@@ -140,6 +143,7 @@ def _number(cell: str, path: Path, line: int) -> float:
 def _made(name: str, head: Sequence[str], columns: Sequence[Vector]) -> Data:
     t: Vector | None = None
     found: dict[str, Vector] = {}
+    units: dict[str, str] = {}
     for text, column in zip(head, columns, strict=True):
         match = _WITH_UNIT.match(text)
         own, unit = (match[1].strip(), match[2].strip()) if match else (text, "")
@@ -148,7 +152,10 @@ def _made(name: str, head: Sequence[str], columns: Sequence[Vector]) -> Data:
             quantity = try_quantity(f"1 {unit}")
             if quantity is None:
                 raise _bad(name, f"{unit!r} is no unit", "height [mm]; or SI without brackets")
+            if own in TIMES and not is_of(quantity, "s"):
+                raise _bad(name, f"{unit!r} is no unit of time", "time [ms]; or s without brackets")
             factor = quantity.value
+            units[own] = unit
         if own in found or (own in TIMES and t is not None):
             raise _bad(name, f"two columns are called {own!r}", "one for each signal")
         if own in TIMES:
@@ -161,7 +168,7 @@ def _made(name: str, head: Sequence[str], columns: Sequence[Vector]) -> Data:
         raise _bad(name, "it has no measurements", "a column for each signal, a row for each time")
     if not np.isfinite(t).all() or (np.diff(t) < 0.0).any() or t[0] < 0.0:
         raise _bad(name, "the times do not increase from 0 on", "sort the rows by time")
-    return Data(name, t, found)
+    return Data(name, t, found, units)
 
 
 def _bad(name: str, why: str, hint: str) -> FileError:

@@ -32,7 +32,9 @@ from hybond.fitting.trials import FittedData, Trials
 from hybond.fitting.varied import Scale, scale_of
 from hybond.model.builder import Model
 from hybond.model.parts import Value
+from hybond.model.unit_words import unit_of
 from hybond.runs.asked import MethodOptions, opened
+from hybond.units import is_of, try_quantity
 
 Vector = NDArray[np.float64]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
@@ -203,10 +205,23 @@ def _cases(
         first = first or found
         check_followed(found.graph)
         for name in d.columns:
-            signal_of(found.plain, name)
+            _check_unit(d, name, unit_of(signal_of(found.plain, name), found.plain))
         cases.append(FittedData(d, opened, sizes, float(d.t[-1]) or 1e-12))
     assert first is not None
     return cases, first
+
+
+def _check_unit(data: Data, name: str, wanted: str) -> None:
+    """Refuse a column that is given in a unit of something else than its signal is."""
+    given = data.units.get(name)
+    quantity = try_quantity(f"1 {given}") if given else None
+    if quantity is not None and not is_of(quantity, wanted):
+        raise UsageError(
+            f"{name} is measured in {given}, and is in {wanted}",
+            code="HB-A530",
+            where=data.name,
+            hint=f"{name} [{wanted}], or SI without brackets",
+        )
 
 
 def _is_pair(one: Any) -> bool:
