@@ -243,6 +243,13 @@ def test_powers_of_parentheses_that_are_refused(text: str) -> None:
     ("text", "value", "unit"),
     [
         ("2 days", 172800.0, "s"),
+        ("1 ksi", 4448.2216152605 / 0.0254**2, "Pa"),
+        ("1 kip", 4448.2216152605, "N"),
+        ("1 thou", 2.54e-5, "m"),
+        ("1 oz", 0.028349523125, "kg"),
+        ("1 slug", 4.4482216152605 / 0.3048, "kg"),
+        ("1 cP", 1e-3, "Pa*s"),
+        ("1 inHg", 25.4 * 133.322387415, "Pa"),
         ("1 psi", 4.4482216152605 / 0.0254**2, "Pa"),  # a pound-force on a square inch
         ("1 inch*mmHg/mm", 25.4 * 133.322387415, "Pa"),
         ("1 ft*lbf", 0.3048 * 4.4482216152605, "J"),

@@ -178,6 +178,7 @@ _SEVERAL = {
     **dict.fromkeys(("psia", "psig", "barg"), "write psi or bar: whether it is gauge is yours"),
     **dict.fromkeys(("year", "yr", "month"), "a year has 365 or 365.25 day"),
     **{"va": "write W", "var": "write W", "rot": "write rev"},
+    **{"mil": "1 mil is 25.4 um: write thou", "poise": "1 poise is 0.1 Pa*s"},
 }
 """What to write for words that mean several units, or none."""
 
@@ -438,7 +439,8 @@ _define(_PLAIN, "min,60,s;h,3600,s;t tonne,1000,kg;atm,101325,Pa;%,1/100,1")
 _define(_PLAIN, "day days,86400,s;week,7,day;inch,0.0254,m;ft foot,12,inch;yd,3,ft;mile,1760,yd")
 _define(_PLAIN, "nmi,1852,m;knot,1,nmi/h;mph,1,mile/h;lb lbm,0.45359237,kg;lbf,9.80665,lb*m/s^2")
 _define(_PLAIN, "kgf kp,9.80665,N;psi,1,lbf/inch^2;torr Torr,1/760,atm;mmHg,133.322387415,Pa")
-_define(_PLAIN, "ppm,1/1000000,1")
+_define(_PLAIN, "ppm,1/1000000,1;ksi,1000,psi;kip,1000,lbf;thou,1/1000,inch;oz,1/16,lb")
+_define(_PLAIN, "slug,1,lbf*s^2/ft;cP,1/1000,Pa*s;inHg,25.4,mmHg")
 _TURN = 2 * Fraction(math.pi)
 _define(_PLAIN, f"rev,{_TURN},1;rpm,{_TURN / 60},1/s;deg °,{_TURN / 360},1")
 

@@ -28,8 +28,8 @@ Cause = Literal[
 class Fired:
     """A transition that fired.
 
-    `values` are the a posteriori and a priori values that its guard read, by name as written;
-    `impulses` the impulse parts of those that had one.
+    `values` are the a posteriori and a priori values that its guard read, by the full path of what
+    is read in a part; `impulses` the impulse parts of those that had one.
     """
 
     machine: str
