@@ -221,8 +221,7 @@ class Model:
     """Of each group: points of Gauss's formula for its energy; none: found with error control."""
     point_at: Floats
     point_weight: Floats
-    bend_first: Ints
-    """Of each group: values that change their sign where a law of it has a kink or a jump."""
+    bend_first: Ints  # of each group: values that change sign at kinks and jumps of its laws
     bend_value: Ints
     energy_law: Ints  # of each group: its energy from zero on in closed form, -1: not known
 
