@@ -314,7 +314,7 @@ def parse_quantity(text: str) -> Quantity:
     Examples
     --------
     >>> parse_quantity("2 kN*m")
-    Quantity(value=2000.0, dimension=<Dimension J>)
+    Quantity(value=2000.0, dimension=<Dimension N*m>)
     """
     match = _NUMBER.match(text)
     if match is None:

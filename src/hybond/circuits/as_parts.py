@@ -54,6 +54,7 @@ def as_parts(opened: Opened, texts: Texts, title: str) -> Model:
     """
     names = GraphNames()
     model = Model(names.take("schematic"), title=title, domain="electrical")
+    model.only_drawn = True
     keys = dict.fromkeys(key for b in opened.branches for key in (b.a, b.b))
     # parts keep their names; of a node that is called like one the name gets a number
     own = {id(b): names.take(b.name) for b in opened.branches}

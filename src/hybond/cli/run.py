@@ -137,9 +137,10 @@ def _events(run: Result) -> None:
 def ending(run: Result) -> str:
     """Return when and how a run ended, in one line."""
     end = format_quantity(run.until, "s")
+    seen = [f" from {v.t:.9g} s on" for v in sorted(run.trace.unsound, key=lambda v: v.t)]
     how = {
         "ok": "the end",
-        "unsound": f"laws do not hold, of {end}",
+        "unsound": f"laws do not hold{''.join(seen[:1])}, of {end}",
         "interrupted": f"interrupted, of {end}",
         "accumulation": f"stopped where events accumulate, of {end}",
         "error": f"stopped by an error, of {end}",

@@ -96,6 +96,8 @@ class Model(Asked):
         self.symbol: Symbol | None = None
         self.pins: dict[str, str] = {}
         """Bond to the node at its stroke; see `pin`."""
+        self.only_drawn = False
+        """Whether parts have words for their values, as of a netlist, and mean nothing else."""
         self.reference_states: dict[str, str] = {}
         """Machine to state; see `reference`."""
         self.origin: Origin | None = None
@@ -357,6 +359,8 @@ class Model(Asked):
         """
         from hybond.draw import draw_mode, draw_schematic
 
+        if schematic and self.only_drawn:
+            return draw_schematic(self)
         graph = self.flatten()  # what has no meaning is not drawn as if it had one
         if schematic:
             return draw_schematic(self)
