@@ -49,6 +49,8 @@ def test_a_word_finds_parts_by_name_and_title(shell: Any) -> None:
     assert {"electrical.diode", "electrical.diode_bridge", "electrical.igbt"} <= set(found)
     assert all("diode" in line.lower() for line in lines)
     done = shell("library", "flux_capacitor")
+    assert done.code == 1 and "did you mean 'capacitor'" in done.err
+    done = shell("library", "qqqq")
     assert done.code == 1 and "hybond library lists them all" in done.err
 
 
