@@ -127,3 +127,23 @@ def test_a_gap_of_an_open_flow_with_least_leakage() -> None:
     run = hb.simulate(m, until=0.5)
     assert [e.t for e in run.trace.events][1] == pytest.approx((2.0 / 9.81) ** 0.5, abs=1e-9)
     assert any("the gap of c reads h" in w for w in run.warnings)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("kept", "source", "moves"),
+    [
+        (hb.C(1.0), "2*n.e", "k.q"),
+        (hb.I(1.0), "2*n.e", "k.p"),
+        (hb.C(1.0), "n.e - n.e", None),
+        (hb.C(1.0), "s.e", None),
+    ],
+)
+def test_what_is_stored_hung_on_least_leakage_and_nobody_said_so(
+    kept: hb.C | hb.I, source: str, moves: str | None, turned: bool
+) -> None:
+    m = between_switches(turned, "time > 20 s")
+    m.add(V=hb.Se(source), j=hb.One(), load=hb.R(1.0), k=kept)
+    m.bond("V -> j", *(("j -> load", "j -> k") if not turned else ("load -> j", "k -> j")))
+    (said,) = (w for w in hb.simulate(m, until=1.0).warnings if "least leakage decides" in w)
+    assert said.endswith("decides" if moves is None else f"decides, and by that how {moves} moves")

@@ -209,6 +209,16 @@ class Explaining:
         numbers = found.rows.open[found.open[v] : found.open[v + 1]].tolist()
         return tuple(dict.fromkeys(self._bonds[k] for k in numbers))
 
+    def stored_open(self, found: Instants, v: int) -> tuple[str, ...]:
+        """Return the stored quantities whose rates the equations of a mode visited leave open."""
+        numbers = set(found.rows.open[found.open[v] : found.open[v + 1]].tolist())
+        bonds = len(self.graph.bonds)
+        return tuple(
+            s.path
+            for s in self.graph.storages
+            if (s.bond if s.kind == "I" else bonds + s.bond) in numbers
+        )
+
     def rule(self, number: int) -> Rule:
         """Return a rule by its number in the library."""
         return self._rules[number]

@@ -357,9 +357,11 @@ class Records:
             if names and not any(told.issuperset(names) for told in self._open):
                 self._open.append(frozenset(names))
                 mode: Mode = tuple(found.states[k].tolist())
+                stored = self.explain.stored_open(found, last)
+                moved = f", and by that how {', '.join(stored)} moves" if stored else ""
                 self.trace.warn(
                     f"in mode ({self.graph.mode_text(mode)}) the equations leave "
-                    f"{', '.join(names)} open; least leakage decides"
+                    f"{', '.join(names)} open; least leakage decides{moved}"
                 )
 
 
