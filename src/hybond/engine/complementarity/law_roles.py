@@ -59,6 +59,7 @@ class LawProblem:
     shift: Floats
     limit: Floats
     slope: Floats
+    sloped: Ints
     l: Floats
     branch: Ints
     open: Ints
@@ -116,6 +117,7 @@ def make_law_problem(n: int) -> LawProblem:
     p.shift = floats(n)
     p.limit = floats(n)
     p.slope = floats(n * n)
+    p.sloped = ints(n)
     p.l = floats(n)
     p.branch = ints(n)
     p.open = ints(n)

@@ -65,8 +65,10 @@ def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
         p.limit[k] = quantity(m, m.port_breakaway, m.port_breakaway_constant, k, r.later)
     else:
         p.limit[k] = quantity(m, m.port_limit, m.port_limit_constant, k, r.later)
-    for j in range(n):
-        p.slope[k * n + j] = 0.0
+    if p.sloped[k] != 0:
+        for j in range(n):
+            p.slope[k * n + j] = 0.0
+    p.sloped[k] = 1 if m.limit_first[row + 1] > m.limit_first[row] else 0
     for i in range(m.limit_first[row], m.limit_first[row + 1]):
         law = m.limit_slope[i]
         slope = m.limit_slope_constant[i] if law < 0 else value(m, law, r.later)
@@ -160,9 +162,10 @@ def put_problem(e: Engine, r: Laws, q: Floats, h: float, shifted: bool) -> bool:
     for i in range(n * n):
         p.m[i] = a.d[i] + h * a.ce[i]
     for k in range(n):
-        idle = True
-        for j in range(n):
-            idle = idle and p.m[k * n + j] == 0.0 and p.m[j * n + k] == 0.0
+        j = 0
+        while j < n and p.m[k * n + j] == 0.0 and p.m[j * n + k] == 0.0:
+            j += 1
+        idle = j == n
         p.q[k] = q[k]
         p.noise[k] = NOISE * r.rounding[k] if h > 0.0 else 0.0
         # a law that neither acts on anything nor feels any other: its value is rounding, or right

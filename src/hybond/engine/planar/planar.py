@@ -82,6 +82,7 @@ def put_on_the_way(m: Model, p: Planar, q: LawProblem, d: int) -> None:
     for way in range(2):
         k = m.disk_port[2 * d + way]
         q.limit[k] = limit * p.way[2 * d + way]
+        q.sloped[k] = 1
         for j in range(n):
             q.slope[k * n + j] = p.limit_slope[d * n + j] * p.way[2 * d + way]
 

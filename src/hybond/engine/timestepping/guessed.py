@@ -54,8 +54,9 @@ def answer_guessed(g: Guess, p: LawProblem, start: Ints, number: int, monotone: 
         elif p.role[k] == TWO_SIDED:
             g.way[k] = way
             put_friction_code(g, k, is_common)
-            for j in range(n):
-                sloped = sloped or p.slope[k * n + j] != 0.0
+            if p.sloped[k] != 0:
+                for j in range(n):
+                    sloped = sloped or p.slope[k * n + j] != 0.0
         else:
             return False
     turn = 0
@@ -176,8 +177,9 @@ def look_at_guess(g: Guess, p: LawProblem) -> int:
                 wrong += 1
             continue
         limit = p.limit[k]
-        for j in range(n):
-            limit += p.slope[k * n + j] * g.l[j]
+        if p.sloped[k] != 0:
+            for j in range(n):
+                limit += p.slope[k * n + j] * g.l[j]
         is_common = p.common[k] != 0
         if g.way[k] != 0:
             x = float(g.way[k]) * (own * g.l[k] if is_common else w)

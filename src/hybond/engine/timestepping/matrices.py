@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.blocks import Block, fit
 from hybond.engine.algebra.lu import SINGULAR, lu_invert
 from hybond.engine.algebra.products import copy_floats, copy_part, largest, times_matrix
 from hybond.engine.algebra.rounding import CANCELS
@@ -258,6 +258,8 @@ def invert_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
             for k in range(n):
                 total += c.inverse.at[i * n + k] * s.square.at[n * n + k * m.ports + j]
             c.push.at[i * m.ports + j] = total
+    put_columns(n, n, c.inverse.at, c.inverse_columns)
+    put_columns(n, m.ports, c.push.at, c.push_columns)
     times_matrix(bonds, n, m.ports, c.state.at, c.push.at, c.gain.at)
     for i in range(bonds * m.ports):
         c.gain.at[i] += c.direct.at[i]
@@ -270,6 +272,14 @@ def invert_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     c.still = NOT_LOOKED
     c.known = True
     return OK
+
+
+def put_columns(m: int, n: int, a: Floats, columns: Block) -> None:
+    """Put the n columns of `a`, which has m rows, one after the other."""
+    fit(columns, max(m * n, 1))
+    for i in range(m):
+        for j in range(n):
+            columns.at[j * m + i] = a[i * n + j]
 
 
 def is_negative(n: int, factor: Floats, row: Ints, size: Floats) -> bool:

@@ -358,8 +358,9 @@ def limit_of(s: Stepping, p: LawProblem, k: int) -> float:
     if p.role[k] != TWO_SIDED:
         return 0.0
     limit = p.limit[k]
-    for j in range(p.n):
-        limit += p.slope[k * p.n + j] * s.l[j]
+    if p.sloped[k] != 0:
+        for j in range(p.n):
+            limit += p.slope[k * p.n + j] * s.l[j]
     return math.fabs(limit)
 
 
@@ -368,7 +369,7 @@ def keeps_friction(s: Stepping, p: LawProblem, k: int, off: float) -> bool:
     n = p.n
     limit = p.limit[k]
     terms = math.fabs(limit)
-    for j in range(n):
+    for j in range(n if p.sloped[k] != 0 else 0):
         limit += p.slope[k * n + j] * s.l[j]
         terms += math.fabs(p.slope[k * n + j]) * math.fabs(s.l[j])
     is_common = p.common[k] != 0

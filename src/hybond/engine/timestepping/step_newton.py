@@ -48,11 +48,16 @@ def move(s: Stepping, c: Coupled) -> None:
     n = c.n
     for k in range(n):
         s.change[k] = s.explicit[k] + c.h * s.rate[k] - s.y[k]
+    moved = s.move
+    column = c.inverse_columns.at
     for i in range(n):
-        total = 0.0
-        for k in range(n):
-            total += c.inverse.at[i * n + k] * s.change[k]
-        s.move[i] = total
+        moved[i] = 0.0
+    # column by column: each sum in the order of its row, and no sum waits for itself
+    for k in range(n):
+        change = s.change[k]
+        at = k * n
+        for i in range(n):
+            moved[i] += column[at + i] * change
 
 
 def constrain(e: Engine, s: Stepping, p: Ports) -> int:

@@ -22,11 +22,12 @@ class Coupled:
     `theta` is the weight of its end. The first `n` states act back on their rates. `state` and
     `direct` are bond variables by these and by `l`, `gain` by `l` with what `l` makes of the state;
     `inverse` is that of one minus `h` times the rates by the states, `push` the state at the end by
-    `l`, `m` the `w` of laws by `l`. Where all but the laws is linear, `straight`, they hold at
-    every point. `still` columns of `basis` are the `l` by which two solutions may differ; where one
-    of them `moves` a `w`, what they spend together has to be nothing. What grows by itself within
-    a step has `outgrown` it; what relaxes or swings within one `rings` from step to step. In
-    such steps laws may have `lost` what makes their answers the only ones.
+    `l`, both by columns as well, `m` the `w` of laws by `l`. Where all but the laws is linear,
+    `straight`, they hold at every point. `still` columns of `basis` are the `l` by which two
+    solutions may differ; where one of them `moves` a `w`, what they spend together has to be
+    nothing. What grows by itself within a step has `outgrown` it; what relaxes or swings within one
+    `rings` from step to step. In such steps laws may have `lost` what makes their answers the only
+    ones.
     """
 
     place: int
@@ -47,7 +48,9 @@ class Coupled:
     direct: Block
     gain: Block
     inverse: Block
+    inverse_columns: Block
     push: Block
+    push_columns: Block
     m: Block
     deaf: Ints
     idle: Ints
@@ -275,7 +278,9 @@ def make_coupled(n: int) -> Coupled:
     c.direct = make_block(1)
     c.gain = make_block(1)
     c.inverse = make_block(1)
+    c.inverse_columns = make_block(1)
     c.push = make_block(1)
+    c.push_columns = make_block(1)
     c.m = make_block(n * n)
     c.deaf = ints(n)
     c.idle = ints(n)

@@ -193,15 +193,23 @@ def straight_step(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     close_half_way(e, s, p, c.h, s.base)
     if solve_step_laws(e, s, p, c, s.base, True) != OK:
         return REFUSED
+    y = s.y
+    sizes = s.move
+    column = c.push_columns.at
     for k in range(n):
-        size = math.fabs(s.y[k])
-        for j in range(m.ports):
-            if s.l[j] != 0.0:
-                s.y[k] += c.push.at[k * m.ports + j] * s.l[j]
-                size += math.fabs(c.push.at[k * m.ports + j] * s.l[j])
+        sizes[k] = math.fabs(y[k])
+    for j in range(m.ports):
+        given = s.l[j]
+        if given != 0.0:
+            at = j * n
+            for k in range(n):
+                term = column[at + k] * given
+                y[k] += term
+                sizes[k] += math.fabs(term)
+    for k in range(n):
         # what laws bring to rest is at rest, and not at what rounding leaves of its terms
-        if math.fabs(s.y[k]) <= AT_END * size:
-            s.y[k] = 0.0
+        if math.fabs(y[k]) <= AT_END * sizes[k]:
+            y[k] = 0.0
     copy_floats(2 * m.bonds, s.base, s.without)
     if (m.integrals > 0 or theta < 1.0) and rates_at(e, s, p, s.y, s.nothing, s.rate) != OK:
         return REFUSED
