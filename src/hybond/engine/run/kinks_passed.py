@@ -120,8 +120,9 @@ def carry_over_kink(e: Engine, r: Run, h: float) -> None:
     room = room_of_instant(e, e.step.t1)
     known = field(e, e.mode, e.step.t1, e.step.y1, r.rate) == OK
     passed = False
+    straight = True
     h = 0.5 * h
-    while known and not passed and h < room:
+    while known and straight and not passed and h < room:
         h = 2.0 * h
         for i in range(e.states):
             g.y[i] = e.step.y1[i] + h * r.rate[i]
@@ -129,12 +130,26 @@ def carry_over_kink(e: Engine, r: Run, h: float) -> None:
         set_motion(e, e.v, e.step.t1 + h, g.y)
         known = solve_read_here(e, e.mode, g.reads, e.v) == OK
         passed = known and has_passed(e, g)
+        # twice as far, rates would be others: what is that fast is left to the next step
+        straight = passed or leads_straight_on(e, r, h)
     for i in range(e.states if known else 0):
         e.step.y1[i] = g.y[i]
     e.refusal = refusal
     g.looked = math.nan
     if known:
         reach(e, e.step.t1 + h)
+
+
+def leads_straight_on(e: Engine, r: Run, h: float) -> bool:
+    """Whether rates stay what they are, within the tolerance of steps, for twice the time `h`."""
+    g = r.locator
+    if field(e, e.mode, e.step.t1 + h, g.y, r.beside) != OK:
+        return False
+    for i in range(e.states):
+        off = 2.0 * h * math.fabs(r.beside[i] - r.rate[i])
+        if not off <= max(e.step.scale[i], ROUNDING * math.fabs(g.y[i])):
+            return False
+    return True
 
 
 def has_passed(e: Engine, g: Locator) -> bool:
