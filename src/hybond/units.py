@@ -460,7 +460,7 @@ def _symbols() -> dict[Dimension, str]:
 _POWER_PAIRS = "electrical V A;translational N m/s;rotational N*m rad/s;hydraulic Pa m^3/s;"
 _POWER_PAIRS += "thermal K W/K;thermal_pseudo K W;magnetic A V"
 DOMAINS: Mapping[str, Domain] = {
-    name: Domain(name, e, f, parse_unit(e)[1], parse_unit(f)[1], name.endswith("pseudo"))
+    name: Domain(name, e, f, *(_worded(u, parse_unit(u)[1]) for u in (e, f)), "pseudo" in name)
     for name, e, f in map(str.split, _POWER_PAIRS.split(";"))
 } | {
     "generic": Domain("generic", "", "", None, None),

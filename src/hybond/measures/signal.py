@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.errors import UsageError
 from hybond.measures.value import About, Measurement
 from hybond.measures.window import TOLERANCE, Time, Window, frequency_of, window_of
 from hybond.names import Asked
 from hybond.records import dataclass
-from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
     from hybond.measures.averages import Impulses
@@ -471,20 +469,9 @@ class Signal(Asked):
         return 0.5 * (low + high)
 
     def _level(self, value: float | str) -> float:
-        if not isinstance(value, str):
-            return float(value)
-        found = try_quantity(value)
-        fits = found is not None and (
-            not self.unit or found.dimension in (parse_unit(self.unit)[1], parse_unit("1")[1])
-        )
-        if found is None or not fits:
-            raise UsageError(
-                f"{value!r} is not a value of {self.name}",
-                code="HB-R101",
-                where="level",
-                hint=f"a number in SI, or in {self.unit}" if self.unit else "a number in SI",
-            )
-        return float(found.value)
+        from hybond.measures.foreseen import level_of
+
+        return level_of(value, self.unit, self.name)
 
     def __len__(self) -> int:
         return len(self.t)
