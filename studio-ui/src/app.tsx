@@ -11,6 +11,7 @@ import { PlanPanel } from "./plan";
 import { PlanView } from "./planned";
 import { Plots } from "./plots";
 import { Power } from "./power";
+import { quantity } from "./quantities";
 import { Splitter } from "./splitter";
 import { Schematic } from "./schematic";
 import type { State, Store, Tab } from "./store";
@@ -182,7 +183,7 @@ function Modes({ store, state }: { store: Store; state: State }) {
   if (!own.length) return null;
   return (
     <span class="modes">
-      {state.cursor && <b>t = {+state.cursor.t.toPrecision(6)} s</b>}
+      {state.cursor && <b>t = {quantity(state.cursor.t, "s", 6)}</b>}
       {own.slice(0, 8).map((m) => (
         <label>
           {m.path}

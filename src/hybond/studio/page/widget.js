@@ -376,11 +376,11 @@ function I(e) {
 function L(e) {
 	return e.endsWith("/s") ? e.slice(0, -2) : e && `${e}*s`;
 }
-function R(e, t) {
+function R(e, t, n = 4) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Se(e)} ${I(t)}`.trim();
-	let [n, r] = Ce.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ce[Ce.length - 1];
-	return `${+(e / n).toPrecision(4)} ${r}${t}`.trim();
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Se(e, n)} ${I(t)}`.trim();
+	let [r, i] = Ce.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ce[Ce.length - 1];
+	return `${+(e / r).toPrecision(n)} ${i}${t}`.trim();
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
 var we = Symbol.for("pv"), Te = 0;
@@ -479,13 +479,15 @@ var Pe = ([[e, t], [n, r]]) => ({
 });
 function Fe(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
-	return Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1]) ? {
+	if (Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1])) return {
 		x: n,
 		y: r + (t > 0 ? -6 : 17),
 		"text-anchor": "middle"
-	} : {
+	};
+	let i = t * Math.min(7, Math.abs(e.head[1] - e.tail[1]) / 5);
+	return {
 		x: n - 9 * t,
-		y: r + 4,
+		y: r + 4 - i,
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
@@ -534,21 +536,31 @@ var Le = class extends S {
 				o?.conflict && /* @__PURE__ */ z("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
-				}),
-				e.effort && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("text", {
-					class: "value",
-					...Fe(a, 1),
-					children: e.effort
-				}), /* @__PURE__ */ z("text", {
-					class: "value",
-					...Fe(a, -1),
-					children: e.rate
-				})] })
+				})
 			]
 		});
 	}
+}, Re = class extends S {
+	shouldComponentUpdate(e) {
+		return Ie(e, this.props);
+	}
+	render(e) {
+		let [t, n] = Ne(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ne(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = me(n, i, t, r, e.shift * 9);
+		return /* @__PURE__ */ z("g", {
+			"data-values": e.bond.key,
+			children: [/* @__PURE__ */ z("text", {
+				class: "value",
+				...Fe(a, 1),
+				children: e.effort
+			}), /* @__PURE__ */ z("text", {
+				class: "value",
+				...Fe(a, -1),
+				children: e.rate
+			})]
+		});
+	}
 };
-function Re(e, t, n) {
+function ze(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -563,7 +575,7 @@ function Re(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function ze(e, t, n) {
+function Be(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -595,7 +607,7 @@ function ze(e, t, n) {
 		anchor: "start"
 	};
 }
-var Be = class extends S {
+var Ve = class extends S {
 	shouldComponentUpdate(e) {
 		return Ie(e, this.props);
 	}
@@ -621,7 +633,7 @@ var Be = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = ze(e, i, s.length), l = ye * 19 / 2, u = Ae(t, e.ports);
+		], c = Be(e, i, s.length), l = ye * 19 / 2, u = Ae(t, e.ports);
 		return /* @__PURE__ */ z("g", {
 			class: a,
 			"data-node": t.name,
@@ -658,7 +670,7 @@ var Be = class extends S {
 								r: 3
 							}),
 							/* @__PURE__ */ z("text", {
-								...Re(e.ports[a], r, i),
+								...ze(e.ports[a], r, i),
 								children: n
 							})
 						]
@@ -721,8 +733,8 @@ var Be = class extends S {
 			]
 		});
 	}
-}, Ve = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
-function He({ state: e, sight: t, gesture: n, moved: r }) {
+}, He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
+function Ue({ state: e, sight: t, gesture: n, moved: r }) {
 	let i = e.look, a = e.cursor?.strokes ?? i.strokes, o = n?.kind === "drag" ? new Set(n.names) : null, s = /* @__PURE__ */ new Map(), c = /* @__PURE__ */ new Map();
 	for (let e of i.view.nodes) {
 		let [t, n] = De(e.x, e.y);
@@ -731,7 +743,7 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 	let l = (e) => a.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), u = /* @__PURE__ */ new Map(), d = /* @__PURE__ */ new Map();
 	for (let e of i.view.bonds) {
 		u.has(e.tail) || u.set(e.tail, []), u.has(e.head) || u.set(e.head, []), u.get(e.tail).push(s.get(e.head)), u.get(e.head).push(s.get(e.tail));
-		let t = Ve(e.ends);
+		let t = He(e.ends);
 		d.set(t, [...d.get(t) ?? [], e.key]);
 	}
 	let f = /* @__PURE__ */ new Map();
@@ -749,7 +761,26 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 	}
 	let p = /* @__PURE__ */ new Map();
 	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, ke(e, f));
-	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? ce(n.target) : "";
+	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? ce(n.target) : "", v = (t) => {
+		let [n, r] = [c.get(t.tail), c.get(t.head)], [i, o] = [s.get(t.tail), s.get(t.head)], u = d.get(He(t.ends)), f = h?.[t.key];
+		return {
+			bond: t,
+			tail: n,
+			head: r,
+			tx: i[0],
+			ty: i[1],
+			hx: o[0],
+			hy: o[1],
+			tailControlled: l(n),
+			headControlled: l(r),
+			tailPorts: m(t.tail),
+			headPorts: m(t.head),
+			shift: u.indexOf(t.key) - (u.length - 1) / 2,
+			drawn: a.bonds[t.key] ?? a.bonds[`${t.ends[0]} -> ${t.ends[1]}`],
+			selected: e.bonds.has(t.key),
+			flow: e.flowing && f ? (f.e ?? 0) * (f.f ?? 0) / g : 0
+		};
+	};
 	return /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
 			id: "dots",
@@ -798,29 +829,8 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 						"marker-end": "url(#signal)"
 					});
 				}),
-				/* @__PURE__ */ z("g", { children: i.view.bonds.map((n) => {
-					let [r, i] = [c.get(n.tail), c.get(n.head)], [o, u] = [s.get(n.tail), s.get(n.head)], f = d.get(Ve(n.ends)), p = h?.[n.key];
-					return /* @__PURE__ */ z(Le, {
-						bond: n,
-						tail: r,
-						head: i,
-						tx: o[0],
-						ty: o[1],
-						hx: u[0],
-						hy: u[1],
-						tailControlled: l(r),
-						headControlled: l(i),
-						tailPorts: m(n.tail),
-						headPorts: m(n.head),
-						shift: f.indexOf(n.key) - (f.length - 1) / 2,
-						drawn: a.bonds[n.key] ?? a.bonds[`${n.ends[0]} -> ${n.ends[1]}`],
-						selected: e.bonds.has(n.key),
-						effort: p && t.k > .6 ? R(p.e, p.units[0]) : "",
-						rate: p && t.k > .6 ? R(p.f, p.units[1]) : "",
-						flow: e.flowing && p ? (p.e ?? 0) * (p.f ?? 0) / g : 0
-					}, n.key);
-				}) }),
-				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Be, {
+				/* @__PURE__ */ z("g", { children: i.view.bonds.map((e) => /* @__PURE__ */ z(Le, { ...v(e) }, e.key)) }),
+				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Ve, {
 					node: t,
 					x: s.get(t.name)[0],
 					y: s.get(t.name)[1],
@@ -830,8 +840,16 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 					target: _ === t.name || e.bondFrom === t.name,
 					taken: [...xe(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
 				}, t.name)) }),
-				n?.kind === "wire" && /* @__PURE__ */ z(We, {
-					from: Ue(n.from, c, s, p),
+				h && t.k > .6 && /* @__PURE__ */ z("g", { children: i.view.bonds.map((e) => {
+					let t = h[e.key];
+					return t && /* @__PURE__ */ z(Re, {
+						...v(e),
+						effort: R(t.e, t.units[0]),
+						rate: R(t.f, t.units[1])
+					}, e.key);
+				}) }),
+				n?.kind === "wire" && /* @__PURE__ */ z(Ge, {
+					from: We(n.from, c, s, p),
 					to: n.now
 				}),
 				n?.kind === "box" && /* @__PURE__ */ z("rect", {
@@ -845,11 +863,11 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 		})
 	] });
 }
-function Ue(e, t, n, r) {
+function We(e, t, n, r) {
 	let i = ce(e);
 	return Ne(t.get(i), e, !1, n.get(i), r.get(i))[0];
 }
-function We({ from: e, to: t }) {
+function Ge({ from: e, to: t }) {
 	return /* @__PURE__ */ z("line", {
 		class: "wire",
 		x1: e[0],
@@ -859,7 +877,7 @@ function We({ from: e, to: t }) {
 	});
 }
 // src/overlays.tsx
-function Ge({ store: e, state: t }) {
+function Ke({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
 	return /* @__PURE__ */ z("div", {
 		class: "wiretext instant " + i.kind,
@@ -894,7 +912,7 @@ function Ge({ store: e, state: t }) {
 		]
 	});
 }
-function Ke(e, t, [n, r]) {
+function qe(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -904,7 +922,7 @@ function Ke(e, t, [n, r]) {
 	}
 	return i;
 }
-function qe({ state: e, sight: t, size: n }) {
+function Je({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
@@ -928,14 +946,14 @@ function qe({ state: e, sight: t, size: n }) {
 	});
 }
 // src/keys.ts
-var Je = {
+var Ye = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
 };
-function Ye(e, t, n) {
-	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Je[e.key];
+function Xe(e, t, n) {
+	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Ye[e.key];
 	if (s && e.altKey && r.nodes.size) {
 		let a = e.shiftKey ? .25 : 1, o = {};
 		for (let e of i) r.nodes.has(e.name) && (o[e.name] = [e.x + a * s[0], e.y + a * s[1]]);
@@ -946,7 +964,7 @@ function Ye(e, t, n) {
 	} else if (s && !a) {
 		let e = o ?? i[0];
 		if (!e) return;
-		let n = o ? Ke(i, o, s) : e;
+		let n = o ? qe(i, o, s) : e;
 		n && t.set({
 			nodes: /* @__PURE__ */ new Set([n.name]),
 			bonds: /* @__PURE__ */ new Set(),
@@ -983,8 +1001,8 @@ function Ye(e, t, n) {
 	e.preventDefault();
 }
 // src/sight.ts
-var [Xe, Ze] = [.05, 6];
-function Qe(e, t, n) {
+var [Ze, Qe] = [.05, 6];
+function $e(e, t, n) {
 	if (!e.length || !t) return {
 		x: t / 2,
 		y: n / 2,
@@ -997,16 +1015,16 @@ function Qe(e, t, n) {
 		y: n / 2 - l * (s + c) / 2
 	};
 }
-function $e({ x: e, y: t, k: n }, r, [i, a]) {
-	let o = Math.max(Xe, Math.min(Ze, n * r));
+function et({ x: e, y: t, k: n }, r, [i, a]) {
+	let o = Math.max(Ze, Math.min(Qe, n * r));
 	return {
 		k: o,
 		x: i - (i - e) * o / n,
 		y: a - (a - t) * o / n
 	};
 }
-function et(e, [t, n], [r, i]) {
-	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Xe, Math.min(Ze, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
+function tt(e, [t, n], [r, i]) {
+	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Ze, Math.min(Qe, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
 	return {
 		k: s,
 		x: c - (u - e.x) * s / e.k,
@@ -1014,7 +1032,7 @@ function et(e, [t, n], [r, i]) {
 	};
 }
 // src/canvas.tsx
-var tt = class extends S {
+var nt = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1095,12 +1113,12 @@ var tt = class extends S {
 		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
 		if (!t) return;
 		let n = t.getBoundingClientRect();
-		this.setState({ sight: Qe(e, n.width, n.height) });
+		this.setState({ sight: $e(e, n.width, n.height) });
 	};
 	zoom(e, t) {
 		this.touched = !0;
 		let n = this.svg.current.getBoundingClientRect();
-		this.setState({ sight: $e(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
+		this.setState({ sight: et(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
 	}
 	wheel = (e) => {
 		e.preventDefault();
@@ -1220,7 +1238,7 @@ var tt = class extends S {
 			if (t.kind === "pinch") {
 				let [e, r] = t.ids.map((e) => this.pointers.get(e));
 				this.setState({
-					sight: et(n, t.last, [e, r]),
+					sight: tt(n, t.last, [e, r]),
 					gesture: {
 						...t,
 						last: [e, r]
@@ -1296,7 +1314,7 @@ var tt = class extends S {
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
 					let n = this.under(e, ce(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...nt(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					n ? r.bond(t.from, n) : Math.hypot(...rt(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1327,7 +1345,7 @@ var tt = class extends S {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
-	key = (e) => Ye(e, this.props.store, this);
+	key = (e) => Xe(e, this.props.store, this);
 	dropped = (e) => {
 		let t = e.dataTransfer?.getData("application/x-hybond");
 		if (!t) return;
@@ -1354,7 +1372,7 @@ var tt = class extends S {
 					onPointerCancel: this.up,
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
-					children: /* @__PURE__ */ z(He, {
+					children: /* @__PURE__ */ z(Ue, {
 						state: e,
 						sight: n,
 						gesture: r,
@@ -1372,7 +1390,7 @@ var tt = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ z(Ge, {
+				e.instant && /* @__PURE__ */ z(Ke, {
 					store: t,
 					state: e
 				}),
@@ -1411,7 +1429,7 @@ var tt = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ z(qe, {
+				/* @__PURE__ */ z(Je, {
 					state: e,
 					sight: n,
 					size: this.size
@@ -1438,32 +1456,32 @@ var tt = class extends S {
 			]
 		}) : /* @__PURE__ */ z("div", { class: "canvas" });
 	}
-}, nt = (e, t) => [e[0] - t[0], e[1] - t[1]], rt, it, at, ot, st = Object.is, ct = 0, lt = [], ut = [], B = e, dt = B.__b, ft = B.__r, pt = B.diffed, mt = B.__c, ht = B.unmount, gt = B.__;
-function _t(e, t) {
-	B.__h && B.__h(it, e, ct || t), ct = 0;
-	var n = it.__H || (it.__H = {
+}, rt = (e, t) => [e[0] - t[0], e[1] - t[1]], it, at, ot, st, ct = Object.is, lt = 0, ut = [], dt = [], ft = e, pt = ft.__b, mt = ft.__r, ht = ft.diffed, gt = ft.__c, _t = ft.unmount, vt = ft.__;
+function yt(e, t) {
+	ft.__h && ft.__h(at, e, lt || t), lt = 0;
+	var n = at.__H || (at.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function V(e) {
-	return ct = 1, vt(kt, e);
+function B(e) {
+	return lt = 1, bt(jt, e);
 }
-function vt(e, t, n) {
-	var r = _t(rt++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : kt(void 0, t), function(e) {
+function bt(e, t, n) {
+	var r = yt(it++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : jt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		st(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = it, !it.__f)) {
-		it.__f = !0;
-		var i = it.shouldComponentUpdate;
-		it.shouldComponentUpdate = function(e, t, n) {
+		ct(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = at, !at.__f)) {
+		at.__f = !0;
+		var i = at.shouldComponentUpdate;
+		at.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, st(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, ct(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1473,67 +1491,67 @@ function vt(e, t, n) {
 	}
 	return r.__;
 }
-function yt(e, t) {
-	var n = _t(rt++, 3);
-	!B.__s && Ot(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, it.__H.__h.push(n));
+function xt(e, t) {
+	var n = yt(it++, 3);
+	!ft.__s && At(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, at.__H.__h.push(n));
 }
-function bt(e) {
-	return ct = 5, xt(function() {
+function St(e) {
+	return lt = 5, Ct(function() {
 		return { current: e };
 	}, []);
 }
-function xt(e, t) {
-	var n = _t(rt++, 7);
-	return Ot(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function Ct(e, t) {
+	var n = yt(it++, 7);
+	return At(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function St() {
+function wt() {
 	var e;
 	do {
-		for (; e = ut.shift();) try {
-			Et(e);
+		for (; e = dt.shift();) try {
+			Ot(e);
 		} catch (t) {
-			B.__e(t, { __: (e = e.__P) && e.__v });
+			ft.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = lt.shift();) {
+		for (; e = ut.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(Et), t.__h.some(Dt), t.__h = [];
+				t.__h.some(Ot), t.__h.some(kt), t.__h = [];
 			} catch (n) {
-				t.__h = [], B.__e(n, e.__v);
+				t.__h = [], ft.__e(n, e.__v);
 			}
 		}
-	} while (ut.length);
+	} while (dt.length);
 }
-B.__b = function(e) {
-	it = null, dt && dt(e);
-}, B.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), gt && gt(e, t);
-}, B.__r = function(e) {
-	ft && ft(e), rt = 0;
-	var t = (it = e.__c).__H;
-	t && (at == it ? it.__h = [] : (t.__h.some(Et), t.__h.some(Dt), rt = 0), t.__h = [], t.__.some(function(e) {
+ft.__b = function(e) {
+	at = null, pt && pt(e);
+}, ft.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), vt && vt(e, t);
+}, ft.__r = function(e) {
+	mt && mt(e), it = 0;
+	var t = (at = e.__c).__H;
+	t && (ot == at ? at.__h = [] : (t.__h.some(Ot), t.__h.some(kt), it = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), at = it;
-}, B.diffed = function(e) {
-	pt && pt(e);
+	})), ot = at;
+}, ft.diffed = function(e) {
+	ht && ht(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && Tt(lt.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && Dt(ut.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), at = it = null;
-}, B.__c = function(e, t) {
+	})), ot = at = null;
+}, ft.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(Et), e.__h = e.__h.filter(function(e) {
-				return !e.__ || Dt(e);
+			e.__h.some(Ot), e.__h = e.__h.filter(function(e) {
+				return !e.__ || kt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), mt && mt(e, t);
-}, B.unmount = function(e) {
-	ht && ht(e);
+	}), gt && gt(e, t);
+}, ft.unmount = function(e) {
+	_t && _t(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1542,50 +1560,50 @@ B.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, Tt(ut.push(r));
-			} else Et(r);
+				r.__P = n, Dt(dt.push(r));
+			} else Ot(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && B.__e(t, r.__v));
+	}), r.__H = void 0, t && ft.__e(t, r.__v));
 };
-var Ct = typeof requestAnimationFrame == "function";
-function wt(e) {
-	var t, n = function() {
-		clearTimeout(r), Ct && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	Ct && (t = requestAnimationFrame(n));
-}
-function Tt(e) {
-	e != 1 && ot == B.requestAnimationFrame || ((ot = B.requestAnimationFrame) || wt)(St);
-}
+var Tt = typeof requestAnimationFrame == "function";
 function Et(e) {
-	var t = it, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), it = t;
+	var t, n = function() {
+		clearTimeout(r), Tt && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	Tt && (t = requestAnimationFrame(n));
 }
 function Dt(e) {
-	var t = it;
-	e.__c = e.__(), it = t;
+	e != 1 && st == ft.requestAnimationFrame || ((st = ft.requestAnimationFrame) || Et)(wt);
 }
-function Ot(e, t) {
+function Ot(e) {
+	var t = at, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), at = t;
+}
+function kt(e) {
+	var t = at;
+	e.__c = e.__(), at = t;
+}
+function At(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !st(t, e[n]);
+		return !ct(t, e[n]);
 	});
 }
-function kt(e, t) {
+function jt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var At = 100;
-function jt({ store: e, state: t }) {
-	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
-	yt(() => s(0), [c?.run]), yt(() => {
+var Mt = 100;
+function Nt({ store: e, state: t }) {
+	let [n, r] = B([]), [i, a] = B(0), [o, s] = B(0), c = t.run;
+	xt(() => s(0), [c?.run]), xt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: At
+			count: Mt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1613,22 +1631,22 @@ function jt({ store: e, state: t }) {
 				class: "warning",
 				children: e
 			})),
-			i > At && /* @__PURE__ */ z("p", { children: [
+			i > Mt && /* @__PURE__ */ z("p", { children: [
 				/* @__PURE__ */ z("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - At)),
+					onClick: () => s(Math.max(0, o - Mt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + At, i),
+				Math.min(o + Mt, i),
 				" of ",
 				i,
 				" ",
 				/* @__PURE__ */ z("button", {
-					disabled: o + At >= i,
-					onClick: () => s(o + At),
+					disabled: o + Mt >= i,
+					onClick: () => s(o + Mt),
 					children: "▸"
 				})
 			] }),
@@ -1644,9 +1662,9 @@ function jt({ store: e, state: t }) {
 						/* @__PURE__ */ z("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", Mt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", Pt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ z(Nt, {
+				}), n.event === l && /* @__PURE__ */ z(Ft, {
 					store: e,
 					state: t,
 					event: n
@@ -1655,11 +1673,11 @@ function jt({ store: e, state: t }) {
 		]
 	});
 }
-function Mt(e) {
+function Pt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function Nt({ store: e, state: t, event: n }) {
+function Ft({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
 	return /* @__PURE__ */ z("div", {
 		class: "detail",
@@ -1718,18 +1736,18 @@ function Nt({ store: e, state: t, event: n }) {
 	});
 }
 // src/formulas.tsx
-var Pt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Ft(e) {
+var It = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Lt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Pt.has(t) ? t : "mrow", {
+	return v(It.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Ft));
+	}, ...r.map(Lt));
 }
-function It({ store: e, state: t }) {
-	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return yt(() => {
+function Rt({ store: e, state: t }) {
+	let [n, r] = B("all"), [i, a] = B(!1), [o, s] = B(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return xt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -1769,7 +1787,7 @@ function It({ store: e, state: t }) {
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Ft(o.formula)
+				children: Lt(o.formula)
 			}) : o && /* @__PURE__ */ z("pre", {
 				class: "equations",
 				tabindex: 0,
@@ -1783,10 +1801,10 @@ function It({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var Lt = 0;
-function Rt(e) {
-	let [t, n] = V(e.value), [r] = V(() => `list${++Lt}`), i = bt(!1);
-	return yt(() => {
+var zt = 0;
+function Bt(e) {
+	let [t, n] = B(e.value), [r] = B(() => `list${++zt}`), i = St(!1);
+	return xt(() => {
 		i.current || n(e.value);
 	}, [e.value]), /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("input", {
 		"aria-label": e.label,
@@ -1810,15 +1828,15 @@ function Rt(e) {
 		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
 	})] });
 }
-function zt(e) {
+function Vt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Bt = {
+var Ht = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Vt = {
+}, Ut = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -1829,9 +1847,9 @@ var Bt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Ht({ store: e, state: t }) {
+function Wt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ z(qt, {
+	if (r.length === 1) return /* @__PURE__ */ z(Yt, {
 		store: e,
 		state: t,
 		node: r[0]
@@ -1840,12 +1858,12 @@ function Ht({ store: e, state: t }) {
 		let r = i[0], a = t.cursor?.values[r.key];
 		return /* @__PURE__ */ z("section", { children: [
 			/* @__PURE__ */ z("h2", { children: "Bond" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(Rt, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(Bt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Ut(e, t, r.key, n)
+				onWrite: (n) => void Gt(e, t, r.key, n)
 			})] }),
 			a && /* @__PURE__ */ z("p", { children: [
 				"effort ",
@@ -1877,21 +1895,21 @@ function Ht({ store: e, state: t }) {
 		class: "row",
 		children: [
 			/* @__PURE__ */ z("button", {
-				onClick: () => Wt(e, r, "y"),
+				onClick: () => Kt(e, r, "y"),
 				children: "In a row"
 			}),
 			/* @__PURE__ */ z("button", {
-				onClick: () => Wt(e, r, "x"),
+				onClick: () => Kt(e, r, "x"),
 				children: "In a column"
 			}),
 			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Gt(e, r, "x"),
+				onClick: () => qt(e, r, "x"),
 				children: "Evenly across"
 			}),
 			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Gt(e, r, "y"),
+				onClick: () => qt(e, r, "y"),
 				children: "Evenly down"
 			}),
 			/* @__PURE__ */ z("button", {
@@ -1903,12 +1921,12 @@ function Ht({ store: e, state: t }) {
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ z(Kt, {
+	})] }) : /* @__PURE__ */ z(Jt, {
 		store: e,
 		state: t
 	});
 }
-async function Ut(e, t, n, r) {
+async function Gt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -1923,14 +1941,14 @@ async function Ut(e, t, n, r) {
 		text: r
 	}));
 }
-function Wt(e, t, n) {
+function Kt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Gt(e, t, n) {
+function qt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -1940,7 +1958,7 @@ function Gt(e, t, n) {
 		at: o
 	});
 }
-function Kt({ store: e, state: t }) {
+function Jt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
@@ -1948,7 +1966,7 @@ function Kt({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: "Model" }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(Rt, {
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(Bt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
@@ -1982,7 +2000,7 @@ function Kt({ store: e, state: t }) {
 		})
 	] });
 }
-function qt({ store: e, state: t, node: n }) {
+function Yt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -1998,24 +2016,24 @@ function qt({ store: e, state: t, node: n }) {
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(Rt, {
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(Bt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ z(Jt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ z(Xt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Bt[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(Rt, {
+		Ht[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(Bt, {
 			label: `Start value ${e}`,
-			value: Zt(i[e]),
+			value: $t(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], zt(t))
+			onWrite: (t) => a([e], Vt(t))
 		})] })),
 		s && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
@@ -2032,7 +2050,7 @@ function qt({ store: e, state: t, node: n }) {
 			})] }),
 			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
 				disabled: r,
-				value: Zt(i.law),
+				value: $t(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ z("option", {
 					value: "",
@@ -2042,13 +2060,13 @@ function qt({ store: e, state: t, node: n }) {
 					children: e
 				}))]
 			})] }),
-			(Vt[Zt(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Rt, {
+			(Ut[$t(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Bt, {
 				label: e,
-				value: Zt(i[e]),
+				value: $t(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], zt(t))
+				onWrite: (t) => a([e], Vt(t))
 			})] })),
-			/* @__PURE__ */ z(Yt, {
+			/* @__PURE__ */ z(Zt, {
 				store: e,
 				state: t,
 				node: n
@@ -2064,21 +2082,21 @@ function qt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Rt, {
+				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Bt, {
 					label: e,
-					value: Zt(t),
+					value: $t(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], zt(t))
+					onWrite: (t) => a(["parameters", e], Vt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(Rt, {
+			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(Bt, {
 				label: `Input ${e}`,
-				value: Zt(i.inputs?.[e]),
+				value: $t(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: Qt(t),
-				onWrite: (t) => a(["inputs", e], zt(t))
+				list: en(t),
+				onWrite: (t) => a(["inputs", e], Vt(t))
 			})] })),
 			n.known && /* @__PURE__ */ z("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
@@ -2107,11 +2125,11 @@ function qt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Jt({ node: e, off: t, set: n }) {
+function Xt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(Rt, {
+		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(Bt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2122,18 +2140,18 @@ function Jt({ node: e, off: t, set: n }) {
 	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(Rt, {
+	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(Bt, {
 		label: "Value",
 		first: !0,
-		value: Zt(r),
+		value: $t(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : zt(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Vt(t) ?? 1);
 		}
 	})] });
 }
-function Yt({ store: e, state: t, node: n }) {
+function Zt({ store: e, state: t, node: n }) {
 	let r = t.look;
 	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
 		class: "link",
@@ -2143,7 +2161,7 @@ function Yt({ store: e, state: t, node: n }) {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Xt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", Qt(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2156,14 +2174,14 @@ function Yt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Xt(e, t) {
+function Qt(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function Zt(e) {
+function $t(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function Qt(e) {
+function en(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2171,10 +2189,10 @@ function Qt(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var $t = 250, en = /[A-Za-z_][\w.]*$/, tn = 0;
-function nn(e) {
-	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++tn}`), u = bt(null), d = bt(!1), f = bt(0);
-	yt(() => {
+var tn = 250, nn = /[A-Za-z_][\w.]*$/, rn = 0;
+function an(e) {
+	let [t, n] = B(e.value), [r, i] = B([]), [a, o] = B(-1), [s, c] = B(null), [l] = B(() => `words${++rn}`), u = St(null), d = St(!1), f = St(0);
+	xt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2182,14 +2200,14 @@ function nn(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = en.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = nn.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, $t);
+		}, tn);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(en, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(nn, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	}, g = () => {
 		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
@@ -2258,7 +2276,7 @@ function nn(e) {
 	});
 }
 // src/machines.tsx
-function rn(e) {
+function on(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2266,11 +2284,11 @@ function rn(e) {
 		guard: t[3]
 	} : null;
 }
-function an({ store: e, state: t }) {
+function sn({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ z(on, {
+		r.map(([n, r]) => /* @__PURE__ */ z(V, {
 			store: e,
 			state: t,
 			name: n,
@@ -2278,7 +2296,7 @@ function an({ store: e, state: t }) {
 		}, n)),
 		n.view.editable && /* @__PURE__ */ z("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Xt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Qt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2310,7 +2328,7 @@ function an({ store: e, state: t }) {
 		})
 	] });
 }
-function on({ store: e, state: t, name: n, machine: r }) {
+function V({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2336,7 +2354,7 @@ function on({ store: e, state: t, name: n, machine: r }) {
 		children: [
 			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z(Rt, {
+				children: [/* @__PURE__ */ z(Bt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2356,7 +2374,7 @@ function on({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ z(H, {
+			/* @__PURE__ */ z(cn, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
@@ -2376,7 +2394,7 @@ function on({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ z(Rt, {
+					/* @__PURE__ */ z(Bt, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2402,7 +2420,7 @@ function on({ store: e, state: t, name: n, machine: r }) {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ z(Rt, {
+					/* @__PURE__ */ z(Bt, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2419,7 +2437,7 @@ function on({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = rn(e), o = i && /\bpre\s*\(/.test(i.guard);
+				let i = on(e), o = i && /\bpre\s*\(/.test(i.guard);
 				return /* @__PURE__ */ z("div", {
 					class: "row rule",
 					children: [i ? /* @__PURE__ */ z(x, { children: [
@@ -2438,11 +2456,11 @@ function on({ store: e, state: t, name: n, machine: r }) {
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
 							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
-						/* @__PURE__ */ z(nn, {
+						/* @__PURE__ */ z(an, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: Qt(t),
+							words: en(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
@@ -2451,7 +2469,7 @@ function on({ store: e, state: t, name: n, machine: r }) {
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ z(Rt, {
+					] }) : /* @__PURE__ */ z(Bt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2471,14 +2489,14 @@ function on({ store: e, state: t, name: n, machine: r }) {
 						...r,
 						states: {
 							...r.states,
-							[Xt(c, "state")]: []
+							[Qt(c, "state")]: []
 						}
 					}),
 					children: "Add state"
 				}), /* @__PURE__ */ z("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => rn(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => on(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2490,8 +2508,8 @@ function on({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function H({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(rn).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+function cn({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(on).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
 	return /* @__PURE__ */ z("div", {
 		class: "diagram",
 		children: /* @__PURE__ */ z("svg", {
@@ -2570,7 +2588,7 @@ function H({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [U, sn] = [720, 190], W = 74, [G, cn] = [8, 20], K = [
+var [ln, un] = [720, 190], H = 74, [U, W] = [8, 20], dn = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2580,11 +2598,11 @@ var [U, sn] = [720, 190], W = 74, [G, cn] = [8, 20], K = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function ln(e) {
+function fn(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function un({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+function pn({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = B(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
 	return /* @__PURE__ */ z("div", {
 		class: "plots sweep",
 		children: [
@@ -2639,14 +2657,14 @@ function un({ store: e, state: t }) {
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ z(dn, {
+			o.map((e, t) => /* @__PURE__ */ z(mn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ z(fn, {
+			/* @__PURE__ */ z(hn, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -2655,7 +2673,7 @@ function un({ store: e, state: t }) {
 		]
 	});
 }
-function dn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function mn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
 	if (!a.length || o > s) return /* @__PURE__ */ z("p", {
@@ -2666,7 +2684,7 @@ function dn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => W + e / n * (U - W - 8), d = (e) => sn - cn - (e - o) / l * (sn - cn - G), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => H + e / n * (ln - H - 8), d = (e) => un - W - (e - o) / l * (un - W - U), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
@@ -2675,21 +2693,21 @@ function dn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
 	return r !== null && p.push(r), /* @__PURE__ */ z("svg", {
 		class: "family",
-		viewBox: `0 0 ${U} ${sn}`,
+		viewBox: `0 0 ${ln} ${un}`,
 		role: "img",
 		"aria-label": `${e} of ${a.length} runs, between ${Se(o)} and ${Se(s)} ${c}`,
 		children: [
 			/* @__PURE__ */ z("rect", {
 				class: "box",
-				x: W,
-				y: G,
-				width: U - W - 8,
-				height: sn - cn - G
+				x: H,
+				y: U,
+				width: ln - H - 8,
+				height: un - W - U
 			}),
 			o < 0 && s > 0 && /* @__PURE__ */ z("line", {
 				class: "axis",
-				x1: W,
-				x2: U - 8,
+				x1: H,
+				x2: ln - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
@@ -2698,47 +2716,47 @@ function dn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 				return !n || n.error ? null : /* @__PURE__ */ z("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${ln(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${fn(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
 					children: /* @__PURE__ */ z("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
 			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: G + 9,
+				y: U + 9,
 				"text-anchor": "end",
 				children: R(s, c)
 			}),
 			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: sn - cn,
+				y: un - W,
 				"text-anchor": "end",
 				children: R(o, c)
 			}),
 			/* @__PURE__ */ z("text", {
 				class: "what",
-				transform: `translate(12,${(sn - cn) / 2}) rotate(-90)`,
+				transform: `translate(12,${(un - W) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
 			/* @__PURE__ */ z("text", {
-				x: W,
-				y: sn - 5,
+				x: H,
+				y: un - 5,
 				children: "0 s"
 			}),
 			/* @__PURE__ */ z("text", {
-				x: U - 8,
-				y: sn - 5,
+				x: ln - 8,
+				y: un - 5,
 				"text-anchor": "end",
 				children: R(n, "s")
 			})
 		]
 	});
 }
-function fn({ sweep: e, end: t, chosen: n, choose: r }) {
+function hn({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (U - W - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (ln - H - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -2752,7 +2770,7 @@ function fn({ sweep: e, end: t, chosen: n, choose: r }) {
 	return /* @__PURE__ */ z("figure", {
 		class: "modemap",
 		children: [/* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${U} 184`,
+			viewBox: `0 0 ${ln} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
@@ -2760,54 +2778,54 @@ function fn({ sweep: e, end: t, chosen: n, choose: r }) {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
 					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ z("rect", {
-						x: W + c * o,
+						x: H + c * o,
 						width: o + .4,
-						y: G + 150 * (1 - n / a),
+						y: U + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: K[r % K.length],
+						fill: dn[r % dn.length],
 						children: /* @__PURE__ */ z("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
 				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: G + 9,
+					y: U + 9,
 					"text-anchor": "end",
 					children: R(t, "s")
 				}),
 				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: G + 150,
+					y: U + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
 				/* @__PURE__ */ z("text", {
-					x: W,
-					y: G + 150 + 14,
+					x: H,
+					y: U + 150 + 14,
 					children: e.values[0]
 				}),
 				/* @__PURE__ */ z("text", {
-					x: U - 8,
-					y: G + 150 + 14,
+					x: ln - 8,
+					y: U + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
-					x: (W + U) / 2,
-					y: G + 150 + 18,
+					x: (H + ln) / 2,
+					y: U + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
 		}), /* @__PURE__ */ z("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ z("span", { children: [
-			/* @__PURE__ */ z("i", { style: `background: ${K[t % K.length]}` }),
+			/* @__PURE__ */ z("i", { style: `background: ${dn[t % dn.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function pn({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
+function gn({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = B(n), [s, c] = B(r), [l, u] = B("15"), [d, f] = B(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -2841,7 +2859,7 @@ function pn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function mn({ store: e, state: t }) {
+function _n({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
@@ -2850,7 +2868,7 @@ function mn({ store: e, state: t }) {
 		let c = Object.entries(n.panels[i]);
 		return /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ z(gn, {
+			c.map(([n, r]) => /* @__PURE__ */ z(yn, {
 				store: e,
 				state: t,
 				section: i,
@@ -2868,7 +2886,7 @@ function mn({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Xt(t, e)], s);
+					a([i, Qt(t, e)], s);
 				},
 				children: "Add"
 			})
@@ -2880,14 +2898,14 @@ function mn({ store: e, state: t }) {
 		o("inputs", "Inputs", { constant: 1 }),
 		!t.level && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("h2", { children: "Run" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Rt, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Bt, {
 				label: "Until",
-				value: Zt(i.until),
+				value: $t(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], zt(e))
+				onWrite: (e) => void a(["experiment", "until"], Vt(e))
 			})] }),
 			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
-				value: Zt(i.solver),
+				value: $t(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ z("option", {
 					value: "",
@@ -2898,24 +2916,24 @@ function mn({ store: e, state: t }) {
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(Rt, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(Bt, {
 				label: "Relative tolerance",
-				value: Zt(i.rtol),
+				value: $t(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], zt(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Vt(e))
 			})] })
 		] })
 	] });
 }
-var hn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function gn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? hn.exec(Zt(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+var vn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function yn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? vn.exec($t(i)) : null, [c] = B(() => s && Number(s[1]) || 1), [l, u] = B(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
 	return /* @__PURE__ */ z("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
 			/* @__PURE__ */ z("label", { children: [
-				/* @__PURE__ */ z(Rt, {
+				/* @__PURE__ */ z(Bt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -2925,17 +2943,17 @@ function gn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ z(Rt, {
+				o ? /* @__PURE__ */ z(Bt, {
 					label: r,
-					value: Zt(i),
+					value: $t(i),
 					disabled: a,
-					list: n === "signals" ? Qt(t) : void 0,
+					list: n === "signals" ? en(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: zt(t)
+						value: Vt(t)
 					})
-				}) : /* @__PURE__ */ z(_n, {
+				}) : /* @__PURE__ */ z(bn, {
 					store: e,
 					path: [n, r],
 					value: i,
@@ -2960,7 +2978,7 @@ function gn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ z(pn, {
+			l && s && /* @__PURE__ */ z(gn, {
 				store: e,
 				path: d,
 				low: f(.5),
@@ -2986,20 +3004,20 @@ function gn({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function _n({ store: e, path: t, value: n, off: r }) {
+function bn({ store: e, path: t, value: n, off: r }) {
 	return /* @__PURE__ */ z("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(_n, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(bn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(Rt, {
+		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(Bt, {
 			label: `${t.join(" ")} ${n}`,
-			value: Zt(i),
+			value: $t(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = zt(r);
+				let i = Vt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3012,7 +3030,7 @@ function _n({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function vn({ store: e, state: t }) {
+function xn({ store: e, state: t }) {
 	let n = t.look.problems;
 	return /* @__PURE__ */ z("section", { children: [
 		/* @__PURE__ */ z("h2", { children: "Problems" }),
@@ -3035,7 +3053,7 @@ function vn({ store: e, state: t }) {
 		})
 	] });
 }
-function yn({ store: e, state: t }) {
+function Sn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
 	return /* @__PURE__ */ z("section", {
 		class: "tables",
@@ -3117,9 +3135,9 @@ function yn({ store: e, state: t }) {
 		]
 	});
 }
-function bn({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
-	yt(() => {
+function Cn({ store: e, state: t }) {
+	let [n, r] = B(null), [i, a] = B(null), o = t.look.revision;
+	xt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3161,7 +3179,7 @@ function bn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function xn(e) {
+function wn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3184,8 +3202,8 @@ function xn(e) {
 		parts: r
 	};
 }
-function Sn({ store: e, state: t }) {
-	let [n, r] = V(""), { kinds: i, parts: a } = xn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function Tn({ store: e, state: t }) {
+	let [n, r] = B(""), { kinds: i, parts: a } = wn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
@@ -3244,19 +3262,19 @@ function Sn({ store: e, state: t }) {
 		]
 	});
 }
-var Cn = /^[A-Za-z_]\w*$/, wn = 8, Tn = 5;
-function En(e, t) {
+var En = /^[A-Za-z_]\w*$/, Dn = 8, On = 5;
+function kn(e, t) {
 	let n = e.letters.replaceAll("_", " ").toLowerCase(), r = t.replaceAll("_", " ");
-	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : Tn;
+	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : On;
 }
-function Dn(e) {
+function An(e) {
 	let t = (e.look?.view.nodes ?? []).filter((e) => String(e.entry.submodel ?? "").includes(".")), n = t.find((t) => e.nodes.has(t.name)) ?? t[t.length - 1];
 	return n ? String(n.entry.submodel).split(".")[0] : e.look?.view.domain ?? "";
 }
-function On({ store: e, state: t }) {
-	let [n, r] = V(""), [i, a] = V(0), { kinds: o, parts: s } = xn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && Cn.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = Dn(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
+function jn({ store: e, state: t }) {
+	let [n, r] = B(""), [i, a] = B(0), { kinds: o, parts: s } = wn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && En.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = An(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
 		o: e,
-		rank: 2 * En(e, p) - Number(e.key.startsWith(`${m}.`))
+		rank: 2 * kn(e, p) - Number(e.key.startsWith(`${m}.`))
 	})).filter(({ rank: e }) => e < 9).sort((e, t) => e.rank - t.rank).map(({ o: e }) => e), g = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, _ = async () => {
@@ -3268,7 +3286,7 @@ function On({ store: e, state: t }) {
 		if (!t) return;
 		let r = t.element, a = "";
 		if (t === d && u.length) {
-			Cn.test(u[0]) && (a = u.shift());
+			En.test(u[0]) && (a = u.shift());
 			let e = u.join(" ");
 			e && !("junction" in r) && (r = { [t.key]: e });
 		} else f && (a = u[0]);
@@ -3293,7 +3311,7 @@ function On({ store: e, state: t }) {
 				}[e.key];
 				t && (a(Math.max(0, Math.min(i + t, h.length - 1, 7))), e.preventDefault()), e.key === "Enter" && _(), e.key === "Escape" && g(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ z("ul", { children: h.slice(0, wn).map((e, t) => /* @__PURE__ */ z("li", {
+		}), /* @__PURE__ */ z("ul", { children: h.slice(0, Dn).map((e, t) => /* @__PURE__ */ z("li", {
 			class: t === i ? "chosen" : "",
 			children: [
 				/* @__PURE__ */ z("b", { children: e.letters }),
@@ -3305,10 +3323,10 @@ function On({ store: e, state: t }) {
 	});
 }
 // src/axes.ts
-function kn(e) {
+function Mn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function An(e, t, n, r = 5) {
+function Nn(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3319,7 +3337,7 @@ function An(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: Nn(e, t, r)
+		ticks: In(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3328,22 +3346,22 @@ function An(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: Pn(e, t, r)
+		ticks: Ln(e, t, r)
 	};
 }
-function jn(e, t, n) {
-	if (e.edges) return An(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = Mn(t.filter((e) => e !== null));
-	if (e.log) return An(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function Pn(e, t, n) {
+	if (e.edges) return Nn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = Fn(t.filter((e) => e !== null));
+	if (e.log) return Nn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return An(r - a, i + a, !1, n);
+	return Nn(r - a, i + a, !1, n);
 }
-function Mn(e) {
+function Fn(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function Nn(e, t, n) {
+function In(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3353,7 +3371,7 @@ function Nn(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function Pn(e, t, n) {
+function Ln(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3370,13 +3388,13 @@ function Pn(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function Fn(e, t) {
+function Rn(e, t) {
 	return t ? `${e} [${I(t)}]` : e;
 }
-function q(e) {
+function G(e) {
 	return e === null ? "none" : Se(e, 5).replace(/\.?0+e/, "e");
 }
-var In = [
+var zn = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3388,36 +3406,36 @@ var In = [
 	"b5de2b",
 	"fde725"
 ];
-function Ln(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (In.length - 1), n = Math.min(Math.floor(t), In.length - 2);
+function Bn(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (zn.length - 1), n = Math.min(Math.floor(t), zn.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [In[n], In[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [zn[n], zn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var Rn = In.map((e) => `#${e}`).join(", "), zn = 120, Bn = "HB-W103", Vn = [
+var Vn = zn.map((e) => `#${e}`).join(", "), Hn = 120, Un = "HB-W103", Wn = [
 	"grid",
 	"together",
 	"ends"
-], Hn = ["grid", "together"];
-function Un({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(null), [o, s] = V(null), c = t.look.revision, l = t.asking;
-	if (yt(() => {
+], Gn = ["grid", "together"];
+function Kn({ store: e, state: t }) {
+	let [n, r] = B(null), [i, a] = B(null), [o, s] = B(null), c = t.look.revision, l = t.asking;
+	if (xt(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: Kn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: Yn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
-	}, [c]), yt(() => {
+	}, [c]), xt(() => {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, zn);
+		}, Hn);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -3441,23 +3459,23 @@ function Un({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === qn(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Xn(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: qn(i, l.way) } : {}
+			...o ? { values: Xn(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: qn(t.values, e)
+			values: Xn(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: qn(n.values[e] ?? "", l.way)
+			values: Xn(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
 	return /* @__PURE__ */ z("section", {
@@ -3468,7 +3486,7 @@ function Un({ store: e, state: t }) {
 				class: "factor",
 				"data-factor": t,
 				children: [
-					/* @__PURE__ */ z(nn, {
+					/* @__PURE__ */ z(an, {
 						label: `Factor ${t + 1}`,
 						value: e.path,
 						words: n.paths,
@@ -3480,7 +3498,7 @@ function Un({ store: e, state: t }) {
 						})),
 						told: f[`path.${t}`]
 					}),
-					/* @__PURE__ */ z(nn, {
+					/* @__PURE__ */ z(an, {
 						label: `Values of factor ${t + 1}`,
 						value: e.values,
 						words: [
@@ -3534,26 +3552,26 @@ function Un({ store: e, state: t }) {
 				onChange: (e) => g(e.currentTarget.value),
 				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
 					value: e,
-					children: Wn[e] ?? e
+					children: qn[e] ?? e
 				}))
 			})] }),
 			/* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!Vn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Rt, {
+			!Wn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Bt, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Hn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Rt, {
+			!Gn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Bt, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ z(Gn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ z(Jn, { problem: f.seed ?? f.way }),
 			/* @__PURE__ */ z("h2", { children: "What is collected" }),
-			/* @__PURE__ */ z(nn, {
+			/* @__PURE__ */ z(an, {
 				label: "Collect",
 				value: l.collect,
 				words: n.words,
@@ -3577,13 +3595,13 @@ function Un({ store: e, state: t }) {
 					n
 				] });
 			}) })] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Rt, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Bt, {
 				label: "Until of the sweep",
 				value: l.until,
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ z(Gn, { problem: f.until }),
+			/* @__PURE__ */ z(Jn, { problem: f.until }),
 			/* @__PURE__ */ z("div", {
 				class: "row begin",
 				children: [p ? /* @__PURE__ */ z("button", {
@@ -3604,7 +3622,7 @@ function Un({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && Object.values(f).every((e) => e.code === Bn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
+			o && Object.values(f).every((e) => e.code === Un) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
 				class: "command",
 				children: [/* @__PURE__ */ z("code", {
 					tabindex: 0,
@@ -3617,7 +3635,7 @@ function Un({ store: e, state: t }) {
 		]
 	});
 }
-var Wn = {
+var qn = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3626,7 +3644,7 @@ var Wn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function Gn({ problem: e }) {
+function Jn({ problem: e }) {
 	return e ? /* @__PURE__ */ z("small", {
 		class: "wrong",
 		role: "status",
@@ -3637,7 +3655,7 @@ function Gn({ problem: e }) {
 		]
 	}) : null;
 }
-function Kn(e) {
+function Yn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3651,24 +3669,24 @@ function Kn(e) {
 		collect: e.collect
 	};
 }
-function qn(e, t) {
-	let n = kn(e);
-	return n ? Hn.includes(t) ? `${n}:11` : n : e;
+function Xn(e, t) {
+	let n = Mn(e);
+	return n ? Gn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [Jn, Yn, Xn, Zn] = [
+var [K, Zn, q, Qn] = [
 	66,
 	14,
 	10,
 	38
 ];
-function Qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function $n({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
 	if (!l.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Jn - Yn, n - Xn - Zn], [m, h] = Mn(l), g = .05 * (h - m), _ = An(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = An(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Jn + _.part(e) * f, b = (e) => Xn + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - K - Zn, n - q - Qn], [m, h] = Fn(l), g = .05 * (h - m), _ = Nn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = Nn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => K + _.part(e) * f, b = (e) => q + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3710,12 +3728,12 @@ function Qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				width: d,
 				height: n,
 				role: "img",
-				"aria-label": `${e.signal}: from ${q(m)} to ${q(h)} ${e.unit}; the median ends at ${q(T[T.length - 1])}`,
+				"aria-label": `${e.signal}: from ${G(m)} to ${G(h)} ${e.unit}; the median ends at ${G(T[T.length - 1])}`,
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: Jn,
-						y: Xn,
+						x: K,
+						y: q,
 						width: f,
 						height: p
 					}),
@@ -3746,43 +3764,43 @@ function Qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: Xn + p,
-						y2: Xn + p + 4
+						y1: q + p,
+						y2: q + p + 4
 					}), /* @__PURE__ */ z("text", {
 						x: y(e),
-						y: Xn + p + 15,
+						y: q + p + 15,
 						"text-anchor": "middle",
 						children: R(e, "s")
 					})] })),
 					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: Jn - 4,
-						x2: Jn,
+						x1: K - 4,
+						x2: K,
 						y1: b(e),
 						y2: b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: Jn - 7,
+						x: K - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
-						children: q(e)
+						children: G(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: Jn + f / 2,
+						x: K + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${Xn + p / 2}) rotate(-90)`,
+						transform: `translate(12,${q + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: Fn(e.signal, e.unit)
+						children: Rn(e.signal, e.unit)
 					})
 				]
 			})
 		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: Fn(e.signal, e.unit) }),
+			/* @__PURE__ */ z("b", { children: Rn(e.signal, e.unit) }),
 			/* @__PURE__ */ z("span", {
 				class: "key",
 				children: [/* @__PURE__ */ z("i", { class: "line median" }), " median"]
@@ -3816,21 +3834,21 @@ function Qn({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	});
 }
 // src/bars.tsx
-var [$n, er, tr] = [
+var [er, tr, nr] = [
 	22,
 	40,
 	34
 ];
-function nr(e, t) {
+function rr(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function rr({ found: e, wide: t, open: n }) {
+function ir({ found: e, wide: t, open: n }) {
 	let r = e.middle;
 	if (r === null) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = nr(e.rows.map((e) => Fn(e.path, e.unit)), i), [o, s] = [44, $n + tr * e.rows.length + er], [c, l] = Mn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = An(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	let i = Math.min(t, 820), a = rr(e.rows.map((e) => Rn(e.path, e.unit)), i), [o, s] = [44, er + nr * e.rows.length + tr], [c, l] = Fn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = Nn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
 	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "tornado",
@@ -3838,36 +3856,36 @@ function rr({ found: e, wide: t, open: n }) {
 			width: i,
 			height: s,
 			role: "group",
-			"aria-label": `How far each factor moves ${e.value} from ${q(r)} ${e.unit}`,
+			"aria-label": `How far each factor moves ${e.value} from ${G(r)} ${e.unit}`,
 			children: [
 				d.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: $n,
-					y2: s - er
+					y1: er,
+					y2: s - tr
 				}), /* @__PURE__ */ z("text", {
 					x: f(e),
-					y: s - er + 15,
+					y: s - tr + 15,
 					"text-anchor": "middle",
-					children: q(e)
+					children: G(e)
 				})] })),
 				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${$n + i * tr})`,
+					transform: `translate(0,${er + i * nr})`,
 					"data-factor": t.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: a - 8,
-						y: tr / 2 + 4,
+						y: nr / 2 + 4,
 						"text-anchor": "end",
-						children: Fn(t.path, t.unit)
+						children: Rn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
 						if (i === null) return /* @__PURE__ */ z("text", {
 							x: f(r) + 4,
-							y: tr / 2 + 4,
+							y: nr / 2 + 4,
 							children: "no value"
 						});
-						let o = i > r || i === r && a === 1, s = `${t.path} = ${q(t.ends[a])}: ${e.value} = ${q(i)}`, c = () => n(t.members[a]);
+						let o = i > r || i === r && a === 1, s = `${t.path} = ${G(t.ends[a])}: ${e.value} = ${G(i)}`, c = () => n(t.members[a]);
 						return /* @__PURE__ */ z("g", {
 							class: "bar " + (a ? "upper" : "lower"),
 							role: "button",
@@ -3879,14 +3897,14 @@ function rr({ found: e, wide: t, open: n }) {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: tr - 10,
+								height: nr - 10,
 								"data-outcome": i,
 								children: /* @__PURE__ */ z("title", { children: s })
 							}), /* @__PURE__ */ z("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: tr / 2 + 4,
+								y: nr / 2 + 4,
 								"text-anchor": o ? "start" : "end",
-								children: q(t.ends[a])
+								children: G(t.ends[a])
 							})]
 						});
 					})]
@@ -3895,21 +3913,21 @@ function rr({ found: e, wide: t, open: n }) {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: $n - 4,
-					y2: s - er
+					y1: er - 4,
+					y2: s - tr
 				}),
 				/* @__PURE__ */ z("text", {
 					x: f(r),
-					y: $n - 9,
+					y: er - 9,
 					"text-anchor": "middle",
-					children: q(r)
+					children: G(r)
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: Fn(e.value, e.unit)
+					children: Rn(e.value, e.unit)
 				})
 			]
 		}), /* @__PURE__ */ z("figcaption", { children: [/* @__PURE__ */ z("span", {
@@ -3921,13 +3939,13 @@ function rr({ found: e, wide: t, open: n }) {
 		})] })]
 	});
 }
-function ir({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = nr(e.rows.map((e) => e.path), n), [i, a] = [64, $n + tr * e.rows.length + er], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+function ar({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = rr(e.rows.map((e) => e.path), n), [i, a] = [64, er + nr * e.rows.length + tr], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
 	if (!o.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = Mn([0, ...o]), l = An(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	let [s, c] = Fn([0, ...o]), l = Nn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
 	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "sobol",
@@ -3935,27 +3953,27 @@ function ir({ found: e, wide: t }) {
 			width: n,
 			height: a,
 			role: "img",
-			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${q(e.first[0])}, with others ${q(e.total[0])}`).join("; ")}`,
+			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${G(e.first[0])}, with others ${G(e.total[0])}`).join("; ")}`,
 			children: [
 				l.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: $n,
-					y2: a - er
+					y1: er,
+					y2: a - tr
 				}), /* @__PURE__ */ z("text", {
 					x: u(e),
-					y: a - er + 15,
+					y: a - tr + 15,
 					"text-anchor": "middle",
-					children: q(e)
+					children: G(e)
 				})] })),
 				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${$n + t * tr})`,
+					transform: `translate(0,${er + t * nr})`,
 					"data-factor": e.path,
 					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: r - 8,
-						y: tr / 2 + 4,
+						y: nr / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
@@ -3978,7 +3996,7 @@ function ir({ found: e, wide: t }) {
 								/* @__PURE__ */ z("text", {
 									x: i + 5,
 									y: r + 9,
-									children: q(+e.toFixed(3))
+									children: G(+e.toFixed(3))
 								})
 							]
 						});
@@ -3988,8 +4006,8 @@ function ir({ found: e, wide: t }) {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: $n - 4,
-					y2: a - er
+					y1: er - 4,
+					y2: a - tr
 				}),
 				/* @__PURE__ */ z("text", {
 					class: "what",
@@ -4017,18 +4035,18 @@ function ir({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [ar, or, sr, cr] = [
+var [or, sr, cr, lr] = [
 	66,
 	12,
 	10,
 	38
-], lr = 14;
-function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = bt(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - ar - or, f - sr - cr], h = jn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = jn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], ur = 14;
+function dr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = St(null), [c, l] = B(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - or - sr, f - cr - lr], h = Pn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Pn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Mn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Ln(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : q(e.number[t]);
-	yt(() => {
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Fn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Bn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : G(e.number[t]);
+	xt(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
 		let r = devicePixelRatio || 1;
@@ -4056,7 +4074,7 @@ function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, lr ** 2];
+		let [a, o] = [-1, ur ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4075,7 +4093,7 @@ function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 		e.members[r] >= 0 && a(e.members[r]);
 	}, A = e.members.filter((e, t) => e >= 0 && !v && x(t).includes(null)).length, j = c ?? (O < 0 ? null : O), ee = (t) => {
 		let [n, r] = x(t);
-		return `run ${e.members[t]}: ${e.x.name} = ${q(n)}, ${e.y.name} = ${q(r)}, ${e.value} = ${E(t)}`;
+		return `run ${e.members[t]}: ${e.x.name} = ${G(n)}, ${e.y.name} = ${G(r)}, ${e.value} = ${E(t)}`;
 	}, [te, ne] = O < 0 ? [null, null] : x(O);
 	return /* @__PURE__ */ z("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
@@ -4089,7 +4107,7 @@ function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			onKeyDown: k,
 			children: [/* @__PURE__ */ z("canvas", {
 				ref: s,
-				style: `left: ${ar}px; top: ${sr}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${or}px; top: ${cr}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4106,62 +4124,62 @@ function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 				width: d,
 				height: f,
 				role: "img",
-				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${q(C)} to ${q(w)} ${e.unit}`}`,
+				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${G(C)} to ${G(w)} ${e.unit}`}`,
 				children: [
 					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: ar,
-						y: sr,
+						x: or,
+						y: cr,
 						width: p,
 						height: m
 					}),
 					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: ar + y(e),
-						x2: ar + y(e),
-						y1: sr + m,
-						y2: sr + m + 4
+						x1: or + y(e),
+						x2: or + y(e),
+						y1: cr + m,
+						y2: cr + m + 4
 					}), /* @__PURE__ */ z("text", {
-						x: ar + y(e),
-						y: sr + m + 15,
+						x: or + y(e),
+						y: cr + m + 15,
 						"text-anchor": "middle",
-						children: q(e)
+						children: G(e)
 					})] })),
 					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: ar - 4,
-						x2: ar,
-						y1: sr + b(e),
-						y2: sr + b(e)
+						x1: or - 4,
+						x2: or,
+						y1: cr + b(e),
+						y2: cr + b(e)
 					}), /* @__PURE__ */ z("text", {
-						x: ar - 7,
-						y: sr + b(e) + 3.5,
+						x: or - 7,
+						y: cr + b(e) + 3.5,
 						"text-anchor": "end",
-						children: q(e)
+						children: G(e)
 					})] })),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: ar + p / 2,
+						x: or + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: Fn(e.x.name, e.x.unit)
+						children: Rn(e.x.name, e.x.unit)
 					}),
 					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${sr + m / 2}) rotate(-90)`,
+						transform: `translate(12,${cr + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: Fn(e.y.name, e.y.unit)
+						children: Rn(e.y.name, e.y.unit)
 					}),
 					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
 						class: "chosen",
-						cx: ar + y(te),
-						cy: sr + b(ne),
+						cx: or + y(te),
+						cy: cr + b(ne),
 						r: 7
 					})
 				]
 			})]
 		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: Fn(e.value, e.unit) }),
+			/* @__PURE__ */ z("b", { children: Rn(e.value, e.unit) }),
 			e.names.map((t, n) => /* @__PURE__ */ z("span", {
 				class: "key",
 				children: [
@@ -4173,9 +4191,9 @@ function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			!e.names.length && S.length > 0 && /* @__PURE__ */ z("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Rn})` }),
-					/* @__PURE__ */ z("span", { children: q(C) }),
-					/* @__PURE__ */ z("span", { children: q(w) })
+					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Vn})` }),
+					/* @__PURE__ */ z("span", { children: G(C) }),
+					/* @__PURE__ */ z("span", { children: G(w) })
 				]
 			}),
 			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ z("span", {
@@ -4194,23 +4212,23 @@ function ur({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 	});
 }
 // src/planned.tsx
-var dr = [
+var fr = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], fr = 92, pr = "(max-width: 760px)", mr = 500, hr = 4;
-function gr({ store: e, state: t, plan: n }) {
+], pr = 92, mr = "(max-width: 760px)", hr = 500, gr = 4;
+function _r({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: wr(n),
+		choice: Tr(n),
 		chosen: null
-	}, [[a, o], s] = V([700, 340]), c = bt(null);
-	yt(() => {
+	}, [[a, o], s] = B([700, 340]), c = St(null);
+	xt(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(pr).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(mr).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
 	let l = (t) => e.set({ looked: {
@@ -4229,7 +4247,7 @@ function gr({ store: e, state: t, plan: n }) {
 		value: r[t],
 		onChange: (e) => l({ [t]: e.currentTarget.value }),
 		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
-	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - fr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = Tr(e, n, {
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - pr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = Er(e, n, {
 		...r,
 		at: y
 	});
@@ -4241,11 +4259,11 @@ function gr({ store: e, state: t, plan: n }) {
 			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z(vr, {
+					/* @__PURE__ */ z(yr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ z(yr, {
+					/* @__PURE__ */ z(br, {
 						store: e,
 						plan: n,
 						chosen: i,
@@ -4253,7 +4271,7 @@ function gr({ store: e, state: t, plan: n }) {
 						open: m
 					}),
 					/* @__PURE__ */ z("button", {
-						onClick: () => void Er(e, n),
+						onClick: () => void Dr(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
@@ -4270,11 +4288,11 @@ function gr({ store: e, state: t, plan: n }) {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: dr.map(([e, t]) => /* @__PURE__ */ z("button", {
+						children: fr.map(([e, t]) => /* @__PURE__ */ z("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => l({
 								view: e,
-								...Cr(n, e)
+								...wr(n, e)
 							}),
 							children: t
 						}))
@@ -4321,27 +4339,27 @@ function gr({ store: e, state: t, plan: n }) {
 				children: [
 					S.why,
 					". ",
-					_r(n, r.view) || S.try
+					vr(n, r.view) || S.try
 				]
-			}) : b ? b.view === "table" ? /* @__PURE__ */ z(br, {
+			}) : b ? b.view === "table" ? /* @__PURE__ */ z(xr, {
 				found: b,
 				open: m,
 				turn: (e) => l({ first: e })
-			}) : b.view === "family" ? /* @__PURE__ */ z(Qn, {
+			}) : b.view === "family" ? /* @__PURE__ */ z($n, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
 				chosen: i,
 				choose: u,
 				open: m
-			}) : b.view === "tornado" ? /* @__PURE__ */ z(rr, {
+			}) : b.view === "tornado" ? /* @__PURE__ */ z(ir, {
 				found: b,
 				wide: a,
 				open: m
-			}) : b.view === "sobol" ? /* @__PURE__ */ z(ir, {
+			}) : b.view === "sobol" ? /* @__PURE__ */ z(ar, {
 				found: b,
 				wide: a
-			}) : /* @__PURE__ */ z(ur, {
+			}) : /* @__PURE__ */ z(dr, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
@@ -4356,11 +4374,11 @@ function gr({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-function _r(e, t) {
+function vr(e, t) {
 	let n = e.way.split(":")[0];
 	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
 }
-function vr({ store: e, plan: t }) {
+function yr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("progress", {
@@ -4388,9 +4406,9 @@ function vr({ store: e, plan: t }) {
 		]
 	});
 }
-function yr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
-	let [a, o] = V(null);
-	yt(() => {
+function br({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+	let [a, o] = B(null);
+	xt(() => {
 		if (o(null), n === null) return;
 		let r = !1;
 		return e.transport.ask("plan member", {
@@ -4428,8 +4446,8 @@ function yr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 			}
 		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
 			/* @__PURE__ */ z("output", { children: [
-				s.map(([e, t]) => `${e} = ${Sr(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${xr(a.row[e.name])}`).join(""),
+				s.map(([e, t]) => `${e} = ${Cr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${Sr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
 			/* @__PURE__ */ z("button", {
@@ -4443,7 +4461,7 @@ function yr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		] })]
 	});
 }
-function br({ found: e, open: t, turn: n }) {
+function xr({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
@@ -4466,7 +4484,7 @@ function br({ found: e, open: t, turn: n }) {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : xr(e[n])
+				}) : Sr(e[n])
 			})) })) })] })
 		}), /* @__PURE__ */ z("div", {
 			class: "plotbar",
@@ -4492,14 +4510,14 @@ function br({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function xr(e) {
-	return typeof e == "number" ? q(e) : e ?? "none";
-}
 function Sr(e) {
-	let [t, ...n] = String(e).split(" ");
-	return Number.isFinite(Number(t)) ? [q(Number(t)), ...n].join(" ") : String(e);
+	return typeof e == "number" ? G(e) : e ?? "none";
 }
-function Cr(e, t) {
+function Cr(e) {
+	let [t, ...n] = String(e).split(" ");
+	return Number.isFinite(Number(t)) ? [G(Number(t)), ...n].join(" ") : String(e);
+}
+function wr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4516,7 +4534,7 @@ function Cr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function wr(e) {
+function Tr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4526,19 +4544,19 @@ function wr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...Cr(e, i)
+		...wr(e, i)
 	};
 }
-function Tr(e, t, n) {
-	let [r, i] = V({
+function Er(e, t, n) {
+	let [r, i] = B({
 		key: "",
 		seen: null,
 		refused: null
-	}), a = JSON.stringify([t.plan, n]), o = bt({
+	}), a = JSON.stringify([t.plan, n]), o = St({
 		key: "",
 		kept: -1,
 		ended: !1
-	}), s = bt(!1), c = bt(!1), l = async () => {
+	}), s = St(!1), c = St(!1), l = async () => {
 		if (s.current) return;
 		s.current = !0;
 		let t = "";
@@ -4564,14 +4582,14 @@ function Tr(e, t, n) {
 					refused: t
 				});
 			}
-			let c = n.key === o.current.key, l = Math.max(mr, hr * (performance.now() - s));
+			let c = n.key === o.current.key, l = Math.max(hr, gr * (performance.now() - s));
 			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
 	};
-	return yt(() => (c.current = !1, () => {
+	return xt(() => (c.current = !1, () => {
 		c.current = !0;
-	}), []), yt(() => {
+	}), []), xt(() => {
 		o.current = {
 			key: a,
 			kept: t.kept,
@@ -4583,7 +4601,7 @@ function Tr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function Er(e, t) {
+async function Dr(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4592,65 +4610,65 @@ async function Er(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var Dr = !0, Or = "uplot", kr = "u-hz", Ar = "u-vt", jr = "u-title", Mr = "u-wrap", Nr = "u-under", Pr = "u-over", Fr = "u-axis", Ir = "u-off", Lr = "u-select", Rr = "u-cursor-x", zr = "u-cursor-y", Br = "u-cursor-pt", Vr = "u-legend", Hr = "u-live", Ur = "u-inline", Wr = "u-series", Gr = "u-marker", Kr = "u-label", qr = "u-value", Jr = "width", Yr = "height", Xr = "top", Zr = "bottom", Qr = "left", $r = "right", ei = "#000", ti = "#0000", ni = "mousemove", ri = "mousedown", ii = "mouseup", ai = "mouseenter", oi = "mouseleave", si = "dblclick", ci = "resize", li = "scroll", ui = "change", di = "dppxchange", fi = "--", pi = typeof window < "u", mi = pi ? document : null, hi = pi ? window : null, gi = pi ? navigator : null, J, _i;
-function vi() {
+var Or = !0, kr = "uplot", Ar = "u-hz", jr = "u-vt", Mr = "u-title", Nr = "u-wrap", Pr = "u-under", Fr = "u-over", Ir = "u-axis", Lr = "u-off", Rr = "u-select", zr = "u-cursor-x", Br = "u-cursor-y", Vr = "u-cursor-pt", Hr = "u-legend", Ur = "u-live", Wr = "u-inline", Gr = "u-series", Kr = "u-marker", qr = "u-label", Jr = "u-value", Yr = "width", Xr = "height", Zr = "top", Qr = "bottom", $r = "left", ei = "right", ti = "#000", ni = "#0000", ri = "mousemove", ii = "mousedown", ai = "mouseup", oi = "mouseenter", si = "mouseleave", ci = "dblclick", li = "resize", ui = "scroll", di = "change", fi = "dppxchange", pi = "--", mi = typeof window < "u", hi = mi ? document : null, gi = mi ? window : null, _i = mi ? navigator : null, J, vi;
+function yi() {
 	let e = devicePixelRatio;
-	J != e && (J = e, _i && Ni(ui, _i, vi), _i = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Mi(ui, _i, vi), hi.dispatchEvent(new CustomEvent(di)));
+	J != e && (J = e, vi && Pi(di, vi, yi), vi = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Ni(di, vi, yi), gi.dispatchEvent(new CustomEvent(fi)));
 }
-function yi(e, t) {
+function bi(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function bi(e, t) {
+function xi(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function xi(e, t, n) {
+function Si(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Si(e, t, n, r) {
-	let i = mi.createElement(e);
-	return t != null && yi(i, t), n?.insertBefore(i, r), i;
+function Ci(e, t, n, r) {
+	let i = hi.createElement(e);
+	return t != null && bi(i, t), n?.insertBefore(i, r), i;
 }
-function Ci(e, t) {
-	return Si("div", e, t);
+function wi(e, t) {
+	return Ci("div", e, t);
 }
-var wi = /* @__PURE__ */ new WeakMap();
-function Ti(e, t, n, r, i) {
+var Ti = /* @__PURE__ */ new WeakMap();
+function Ei(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != wi.get(e) && (e.style.transform = a, wi.set(e, a), t < 0 || n < 0 || t > r || n > i ? yi(e, Ir) : bi(e, Ir));
+	a != Ti.get(e) && (e.style.transform = a, Ti.set(e, a), t < 0 || n < 0 || t > r || n > i ? bi(e, Lr) : xi(e, Lr));
 }
-var Ei = /* @__PURE__ */ new WeakMap();
-function Di(e, t, n) {
+var Di = /* @__PURE__ */ new WeakMap();
+function Oi(e, t, n) {
 	let r = t + n;
-	r != Ei.get(e) && (Ei.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != Di.get(e) && (Di.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var Oi = /* @__PURE__ */ new WeakMap();
-function ki(e, t, n, r) {
+var ki = /* @__PURE__ */ new WeakMap();
+function Ai(e, t, n, r) {
 	let i = t + "" + n;
-	i != Oi.get(e) && (Oi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != ki.get(e) && (ki.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var Ai = { passive: !0 }, ji = {
-	...Ai,
+var ji = { passive: !0 }, Mi = {
+	...ji,
 	capture: !0
 };
-function Mi(e, t, n, r) {
-	t.addEventListener(e, n, r ? ji : Ai);
-}
 function Ni(e, t, n, r) {
-	t.removeEventListener(e, n, Ai);
+	t.addEventListener(e, n, r ? Mi : ji);
 }
-pi && vi();
 function Pi(e, t, n, r) {
+	t.removeEventListener(e, n, ji);
+}
+mi && yi();
+function Fi(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : ta((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : na((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Fi(e) {
+function Ii(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4664,9 +4682,9 @@ function Fi(e) {
 		return [i, a];
 	};
 }
-var Ii = (e) => e != null, Li = (e) => e != null && e > 0, Ri = Fi(Ii), zi = Fi(Li);
-function Bi(e, t, n, r = 0, i = !1) {
-	let a = i ? zi : Ri, o = i ? Li : Ii;
+var Li = (e) => e != null, Ri = (e) => e != null && e > 0, zi = Ii(Li), Bi = Ii(Ri);
+function Vi(e, t, n, r = 0, i = !1) {
+	let a = i ? Bi : zi, o = i ? Ri : Li;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4677,106 +4695,106 @@ function Bi(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? fa, c ?? -fa];
-}
-function Vi(e, t, n, r) {
-	let i = sa(e), a = sa(t);
-	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? ca : la, s = i == 1 ? ta : ra, c = a == 1 ? ra : ta, l = s(o(ea(e))), u = c(o(ea(t))), d = oa(n, l), f = oa(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Ea(e, d), t = Ta(t, f)), [e, t];
+	return [s ?? pa, c ?? -pa];
 }
 function Hi(e, t, n, r) {
-	let i = Vi(e, t, n, r);
+	let i = ca(e), a = ca(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? la : ua, s = i == 1 ? na : ia, c = a == 1 ? ia : na, l = s(o(ta(e))), u = c(o(ta(t))), d = sa(n, l), f = sa(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Da(e, d), t = Ea(t, f)), [e, t];
+}
+function Ui(e, t, n, r) {
+	let i = Hi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Ui = .1, Wi = {
+var Wi = .1, Gi = {
 	mode: 3,
-	pad: Ui
-}, Gi = {
+	pad: Wi
+}, Ki = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Ki = {
-	min: Gi,
-	max: Gi
+}, qi = {
+	min: Ki,
+	max: Ki
 };
-function qi(e, t, n, r) {
-	return La(n) ? Yi(e, t, n) : (Gi.pad = n, Gi.soft = r ? 0 : null, Gi.mode = r ? 3 : 0, Yi(e, t, Ki));
+function Ji(e, t, n, r) {
+	return Ra(n) ? Xi(e, t, n) : (Ki.pad = n, Ki.soft = r ? 0 : null, Ki.mode = r ? 3 : 0, Xi(e, t, qi));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function Ji(e, t, n) {
+function Yi(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Yi(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -fa), c = Y(i.hard, fa), l = Y(r.soft, fa), u = Y(i.soft, -fa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = ca(p), h = aa(ea(e), ea(t)), g = ea(ca(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != fa && (a = 0), f == 2 && u != -fa && (o = 0)));
-	let _ = p || h || 1e3, v = oa(10, ta(ca(_))), y = Z(Ea(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : fa, x = aa(s, y < b && e >= b ? b : ia(b, y)), S = Z(Ta(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -fa, w = ia(c, S > C && t <= C ? C : aa(C, S));
+function Xi(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -pa), c = Y(i.hard, pa), l = Y(r.soft, pa), u = Y(i.soft, -pa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = la(p), h = oa(ta(e), ta(t)), g = ta(la(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != pa && (a = 0), f == 2 && u != -pa && (o = 0)));
+	let _ = p || h || 1e3, v = sa(10, na(la(_))), y = Z(Da(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : pa, x = oa(s, y < b && e >= b ? b : aa(b, y)), S = Z(Ea(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -pa, w = aa(c, S > C && t <= C ? C : oa(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Xi = new Intl.NumberFormat(pi ? gi.language : "en-US"), Zi = (e) => Xi.format(e), Qi = Math, $i = Qi.PI, ea = Qi.abs, ta = Qi.floor, na = Qi.round, ra = Qi.ceil, ia = Qi.min, aa = Qi.max, oa = Qi.pow, sa = Qi.sign, ca = Qi.log10, la = Qi.log2, ua = (e, t = 1) => Qi.sinh(e) * t, da = (e, t = 1) => Qi.asinh(e / t), fa = Infinity;
-function pa(e) {
-	return (ca((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Zi = new Intl.NumberFormat(mi ? _i.language : "en-US"), Qi = (e) => Zi.format(e), $i = Math, ea = $i.PI, ta = $i.abs, na = $i.floor, ra = $i.round, ia = $i.ceil, aa = $i.min, oa = $i.max, sa = $i.pow, ca = $i.sign, la = $i.log10, ua = $i.log2, da = (e, t = 1) => $i.sinh(e) * t, fa = (e, t = 1) => $i.asinh(e / t), pa = Infinity;
+function ma(e) {
+	return (la((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function ma(e, t, n) {
-	return ia(aa(e, t), n);
+function ha(e, t, n) {
+	return aa(oa(e, t), n);
 }
-function ha(e) {
+function ga(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return ha(e) ? e : () => e;
+	return ga(e) ? e : () => e;
 }
-var ga = () => {}, _a = (e) => e, va = (e, t) => t, ya = (e) => null, ba = (e) => !0, xa = (e, t) => e == t, Sa = /\.\d*?(?=9{6,}|0{6,})/gm, Ca = (e) => {
-	if (Pa(e) || Da.has(e)) return e;
-	let t = `${e}`, n = t.match(Sa);
+var _a = () => {}, va = (e) => e, ya = (e, t) => t, ba = (e) => null, xa = (e) => !0, Sa = (e, t) => e == t, Ca = /\.\d*?(?=9{6,}|0{6,})/gm, wa = (e) => {
+	if (Fa(e) || Oa.has(e)) return e;
+	let t = `${e}`, n = t.match(Ca);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${Ca(e)}e${n}`;
+		return +`${wa(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function wa(e, t) {
-	return Ca(Z(Ca(e / t)) * t);
-}
 function Ta(e, t) {
-	return Ca(ra(Ca(e / t)) * t);
+	return wa(Z(wa(e / t)) * t);
 }
 function Ea(e, t) {
-	return Ca(ta(Ca(e / t)) * t);
+	return wa(ia(wa(e / t)) * t);
+}
+function Da(e, t) {
+	return wa(na(wa(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Pa(e)) return e;
+	if (Fa(e)) return e;
 	let n = 10 ** t;
-	return na(e * n * (1 + 2 ** -52)) / n;
+	return ra(e * n * (1 + 2 ** -52)) / n;
 }
-var Da = /* @__PURE__ */ new Map();
-function Oa(e) {
+var Oa = /* @__PURE__ */ new Map();
+function ka(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function ka(e, t, n, r) {
-	let i = [], a = r.map(Oa);
+function Aa(e, t, n, r) {
+	let i = [], a = r.map(ka);
 	for (let o = t; o < n; o++) {
-		let t = ea(o), n = Z(oa(e, o), t);
+		let t = ta(o), n = Z(sa(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), Da.set(u, l);
+			i.push(u), Oa.set(u, l);
 		}
 	}
 	return i;
 }
-var Aa = {}, ja = [], Ma = [null, null], Na = Array.isArray, Pa = Number.isInteger, Fa = (e) => e === void 0;
-function Ia(e) {
+var ja = {}, Ma = [], Na = [null, null], Pa = Array.isArray, Fa = Number.isInteger, Ia = (e) => e === void 0;
+function La(e) {
 	return typeof e == "string";
 }
-function La(e) {
+function Ra(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4784,35 +4802,35 @@ function La(e) {
 	}
 	return t;
 }
-function Ra(e) {
+function za(e) {
 	return typeof e == "object" && !!e;
 }
-var za = Object.getPrototypeOf(Uint8Array), Ba = "__proto__";
-function Va(e, t = La) {
+var Ba = Object.getPrototypeOf(Uint8Array), Va = "__proto__";
+function Ha(e, t = Ra) {
 	let n;
-	if (Na(e)) {
+	if (Pa(e)) {
 		let r = e.find((e) => e != null);
-		if (Na(r) || t(r)) {
+		if (Pa(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Va(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Ha(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof za) n = e.slice();
+	} else if (e instanceof Ba) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Ba && (n[r] = Va(e[r], t));
+		for (let r in e) r != Va && (n[r] = Ha(e[r], t));
 	} else n = e;
 	return n;
 }
-function Ha(e) {
+function Ua(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Ba && (La(e[t]) ? Ha(e[t], Va(r[t])) : e[t] = Va(r[t]));
+		for (let t in r) t != Va && (Ra(e[t]) ? Ua(e[t], Ha(r[t])) : e[t] = Ha(r[t]));
 	}
 	return e;
 }
-var Ua = 0, Wa = 1, Ga = 2;
-function Ka(e, t, n) {
+var Wa = 0, Ga = 1, Ka = 2;
+function qa(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4821,11 +4839,11 @@ function Ka(e, t, n) {
 		}
 	}
 }
-function qa(e, t) {
-	if (Xa(e)) {
+function Ja(e, t) {
+	if (Za(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Za(t[0]) || (t = Ya(t)), t;
+		return Qa(t[0]) || (t = Xa(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4837,18 +4855,18 @@ function qa(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Wa, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ga, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Ua && (l[n] = t, u == Ga && d.push(n)) : l[n] = t;
+				t === null ? u != Wa && (l[n] = t, u == Ka && d.push(n)) : l[n] = t;
 			}
-			Ka(l, d, i), r.push(l);
+			qa(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Ja = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Ya(e) {
+var Ya = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function Xa(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4860,7 +4878,7 @@ function Ya(e) {
 	}
 	return i;
 }
-function Xa(e) {
+function Za(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4871,14 +4889,14 @@ function Xa(e) {
 	}
 	return !0;
 }
-function Za(e, t = 100) {
+function Qa(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = aa(1, ta((i - r + 1) / t));
+	let a = oa(1, na((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4888,7 +4906,7 @@ function Za(e, t = 100) {
 	}
 	return !0;
 }
-var Qa = [
+var $a = [
 	"January",
 	"February",
 	"March",
@@ -4901,7 +4919,7 @@ var Qa = [
 	"October",
 	"November",
 	"December"
-], $a = [
+], eo = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4910,33 +4928,33 @@ var Qa = [
 	"Friday",
 	"Saturday"
 ];
-function eo(e) {
+function to(e) {
 	return e.slice(0, 3);
 }
-var to = $a.map(eo), no = {
-	MMMM: Qa,
-	MMM: Qa.map(eo),
-	WWWW: $a,
-	WWW: to
+var no = eo.map(to), ro = {
+	MMMM: $a,
+	MMM: $a.map(to),
+	WWWW: eo,
+	WWW: no
 };
-function ro(e) {
+function io(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function io(e) {
+function ao(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var ao = {
+var oo = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => ro(e.getMonth() + 1),
+	MM: (e) => io(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => ro(e.getDate()),
+	DD: (e) => io(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => ro(e.getHours()),
+	HH: (e) => io(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -4945,35 +4963,35 @@ var ao = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => ro(e.getMinutes()),
+	mm: (e) => io(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => ro(e.getSeconds()),
+	ss: (e) => io(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => io(e.getMilliseconds())
+	fff: (e) => ao(e.getMilliseconds())
 };
-function oo(e, t) {
-	t ||= no;
+function so(e, t) {
+	t ||= ro;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? ao[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? oo[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var so = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function co(e, t) {
+var co = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function lo(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == so ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == co ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var lo = (e) => e % 1 == 0, uo = [
+var uo = (e) => e % 1 == 0, fo = [
 	1,
 	2,
 	2.5,
 	5
-], fo = ka(10, -32, 0, uo), po = ka(10, 0, 32, uo), mo = po.filter(lo), ho = fo.concat(po), go = "\n", _o = "{YYYY}", vo = go + _o, yo = "{M}/{D}", bo = go + yo, xo = bo + "/{YY}", So = "{aa}", Co = "{h}:{mm}" + So, wo = go + Co, To = ":{ss}", Q = null;
-function Eo(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? ka(10, 0, 3, uo).filter(lo) : ka(10, -3, 0, uo)).concat([
+], po = Aa(10, -32, 0, fo), mo = Aa(10, 0, 32, fo), ho = mo.filter(uo), go = po.concat(mo), _o = "\n", vo = "{YYYY}", yo = _o + vo, bo = "{M}/{D}", xo = _o + bo, So = xo + "/{YY}", Co = "{aa}", wo = "{h}:{mm}" + Co, To = _o + wo, Eo = ":{ss}", Q = null;
+function Do(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Aa(10, 0, 3, fo).filter(uo) : Aa(10, -3, 0, fo)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -5017,7 +5035,7 @@ function Eo(e) {
 	]), c = [
 		[
 			o,
-			_o,
+			vo,
 			Q,
 			Q,
 			Q,
@@ -5029,7 +5047,7 @@ function Eo(e) {
 		[
 			i * 28,
 			"{MMM}",
-			vo,
+			yo,
 			Q,
 			Q,
 			Q,
@@ -5039,8 +5057,8 @@ function Eo(e) {
 		],
 		[
 			i,
+			bo,
 			yo,
-			vo,
 			Q,
 			Q,
 			Q,
@@ -5050,10 +5068,10 @@ function Eo(e) {
 		],
 		[
 			r,
-			"{h}" + So,
-			xo,
+			"{h}" + Co,
+			So,
 			Q,
-			bo,
+			xo,
 			Q,
 			Q,
 			Q,
@@ -5061,10 +5079,10 @@ function Eo(e) {
 		],
 		[
 			n,
-			Co,
-			xo,
+			wo,
+			So,
 			Q,
-			bo,
+			xo,
 			Q,
 			Q,
 			Q,
@@ -5072,42 +5090,42 @@ function Eo(e) {
 		],
 		[
 			t,
+			Eo,
+			So + " " + wo,
+			Q,
+			xo + " " + wo,
+			Q,
 			To,
-			xo + " " + Co,
-			Q,
-			bo + " " + Co,
-			Q,
-			wo,
 			Q,
 			1
 		],
 		[
 			e,
-			To + ".{fff}",
-			xo + " " + Co,
+			Eo + ".{fff}",
+			So + " " + wo,
 			Q,
-			bo + " " + Co,
+			xo + " " + wo,
 			Q,
-			wo,
+			To,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Io(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Lo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Io(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(na(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Lo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(ra(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Io(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Lo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (ta(l) - ta(_)) + Ta(_ - y, a);
+				let a = d >= i ? i : d, o = y + (na(l) - na(_)) + Ea(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = ta(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = na(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5122,12 +5140,12 @@ function Eo(e) {
 		l
 	];
 }
-var [Do, Oo, ko] = Eo(1), [Ao, jo, Mo] = Eo(.001);
-ka(2, -53, 53, [1]);
-function No(e, t) {
+var [Oo, ko, Ao] = Do(1), [jo, Mo, No] = Do(.001);
+Aa(2, -53, 53, [1]);
+function Po(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Po(e, t) {
+function Fo(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5136,98 +5154,98 @@ function Po(e, t) {
 		});
 	};
 }
-function Fo(e, t) {
-	let n = oo(t);
+function Io(e, t) {
+	let n = so(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Io(e, t, n) {
+function Lo(e, t, n) {
 	return new Date(e, t, n);
 }
-function Lo(e, t) {
+function Ro(e, t) {
 	return t(e);
 }
-var Ro = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function zo(e, t) {
-	return (n, r, i, a) => a == null ? fi : t(e(r));
-}
+var zo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
 function Bo(e, t) {
+	return (n, r, i, a) => a == null ? pi : t(e(r));
+}
+function Vo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Vo(e, t) {
+function Ho(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Ho = {
+var Uo = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: ga,
+	mount: _a,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Bo,
-		fill: Vo,
+		stroke: Vo,
+		fill: Ho,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Uo(e, t) {
-	let n = e.cursor.points, r = Ci(), i = n.size(e, t);
-	xi(r, Jr, i), xi(r, Yr, i);
-	let a = i / -2;
-	xi(r, "marginLeft", a), xi(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && xi(r, "borderWidth", o), r;
-}
 function Wo(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = wi(), i = n.size(e, t);
+	Si(r, Yr, i), Si(r, Xr, i);
+	let a = i / -2;
+	Si(r, "marginLeft", a), Si(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && Si(r, "borderWidth", o), r;
 }
 function Go(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function Ko(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function qo(e, t) {
 	return e.series[t].points.size;
 }
-var qo = [0, 0];
-function Jo(e, t, n) {
-	return qo[0] = t, qo[1] = n, qo;
+var Jo = [0, 0];
+function Yo(e, t, n) {
+	return Jo[0] = t, Jo[1] = n, Jo;
 }
-function Yo(e, t, n, r = !0) {
+function Xo(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Xo(e, t, n, r = !0) {
+function Zo(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Zo = {
+var Qo = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Jo,
+	move: Yo,
 	points: {
 		one: !1,
-		show: Uo,
-		size: Ko,
+		show: Wo,
+		size: qo,
 		width: 0,
-		stroke: Go,
-		fill: Wo
+		stroke: Ko,
+		fill: Go
 	},
 	bind: {
-		mousedown: Yo,
-		mouseup: Yo,
-		click: Yo,
-		dblclick: Yo,
-		mousemove: Xo,
-		mouseleave: Xo,
-		mouseenter: Xo
+		mousedown: Xo,
+		mouseup: Xo,
+		click: Xo,
+		dblclick: Xo,
+		mousemove: Zo,
+		mouseleave: Zo,
+		mouseenter: Zo
 	},
 	drag: {
 		setScale: !0,
@@ -5257,139 +5275,139 @@ var Zo = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, Qo = {
+}, $o = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, $o = Ha({}, Qo, { filter: va }), es = Ha({}, $o, { size: 10 }), ts = Ha({}, Qo, { show: !1 }), ns = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", rs = "bold " + ns, is = 1.5, as = {
+}, es = Ua({}, $o, { filter: ya }), ts = Ua({}, es, { size: 10 }), ns = Ua({}, $o, { show: !1 }), rs = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", is = "bold " + rs, as = 1.5, os = {
 	show: !0,
 	scale: "x",
-	stroke: ei,
+	stroke: ti,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: rs,
+	labelFont: is,
 	side: 2,
-	grid: $o,
-	ticks: es,
-	border: ts,
-	font: ns,
-	lineGap: is,
+	grid: es,
+	ticks: ts,
+	border: ns,
+	font: rs,
+	lineGap: as,
 	rotate: 0
-}, os = "Value", ss = "Time", cs = {
+}, ss = "Value", cs = "Time", ls = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: fa,
+	min: pa,
 	max: -Infinity,
 	idxs: []
 };
-function ls(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Zi(e));
+function us(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : Qi(e));
 }
-function us(e, t, n, r, i, a, o) {
-	let s = [], c = Da.get(i) || 0;
-	n = o ? n : Z(Ta(n, i), c);
+function ds(e, t, n, r, i, a, o) {
+	let s = [], c = Oa.get(i) || 0;
+	n = o ? n : Z(Ea(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function ds(e, t, n, r, i, a, o) {
+function fs(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = oa(c, ta((c == 10 ? ca : la)(n))), c == 10 && (i = ho[Pi(i, ho)]);
+	i = sa(c, na((c == 10 ? la : ua)(n))), c == 10 && (i = go[Fi(i, go)]);
 	let l = n, u = i * c;
-	c == 10 && (u = ho[Pi(u, ho)]);
+	c == 10 && (u = go[Fi(u, go)]);
 	do
-		s.push(l), l += i, c == 10 && !Da.has(l) && (l = Z(l, Da.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = ho[Pi(u, ho)]));
+		s.push(l), l += i, c == 10 && !Oa.has(l) && (l = Z(l, Oa.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = go[Fi(u, go)]));
 	while (l <= r);
 	return s;
 }
-function fs(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? ds(e, t, aa(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? ds(e, t, aa(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function ps(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? fs(e, t, oa(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? fs(e, t, oa(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var ps = /./, ms = /[12357]/, hs = /[125]/, gs = /1/, _s = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function vs(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ps : c(7, o) - u >= l ? ms : c(5, o) - u >= l ? hs : gs;
-	if (d == gs) {
-		let e = ea(c(1, o) - u);
-		if (e < l) return _s(t.slice().reverse(), s.distr, d, ra(l / e)).reverse();
-	}
-	return _s(t, s.distr, d, 1);
-}
+var ms = /./, hs = /[12357]/, gs = /[125]/, _s = /1/, vs = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function ys(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = ea(c(1, o) - c(2, o));
-	return l < s ? _s(t.slice().reverse(), 3, ps, ra(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ms : c(7, o) - u >= l ? hs : c(5, o) - u >= l ? gs : _s;
+	if (d == _s) {
+		let e = ta(c(1, o) - u);
+		if (e < l) return vs(t.slice().reverse(), s.distr, d, ia(l / e)).reverse();
+	}
+	return vs(t, s.distr, d, 1);
 }
-function bs(e, t, n, r) {
-	return r == null ? fi : t == null ? "" : Zi(t);
+function bs(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = ta(c(1, o) - c(2, o));
+	return l < s ? vs(t.slice().reverse(), 3, ms, ia(s / l)).reverse() : t;
 }
-var xs = {
+function xs(e, t, n, r) {
+	return r == null ? pi : t == null ? "" : Qi(t);
+}
+var Ss = {
 	show: !0,
 	scale: "y",
-	stroke: ei,
+	stroke: ti,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: rs,
+	labelFont: is,
 	side: 3,
-	grid: $o,
-	ticks: es,
-	border: ts,
-	font: ns,
-	lineGap: is,
+	grid: es,
+	ticks: ts,
+	border: ns,
+	font: rs,
+	lineGap: as,
 	rotate: 0
 };
-function Ss(e, t) {
+function Cs(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function Cs(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = ea(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
+function ws(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = ta(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
 	return r[1] - r[0] <= o;
 }
-var ws = {
+var Ts = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: fa,
+	min: pa,
 	max: -Infinity
-}, Ts = (e, t, n, r, i) => i, Es = {
+}, Es = (e, t, n, r, i) => i, Ds = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: Ts,
+	gaps: Es,
 	alpha: 1,
-	facets: [Ha({}, ws, { scale: "x" }), Ha({}, ws, { scale: "y" })]
-}, Ds = {
+	facets: [Ua({}, Ts, { scale: "x" }), Ua({}, Ts, { scale: "y" })]
+}, Os = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: Ts,
+	gaps: Es,
 	alpha: 1,
 	points: {
-		show: Cs,
+		show: ws,
 		filter: null
 	},
 	values: null,
-	min: fa,
+	min: pa,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Os(e, t, n, r, i) {
+function ks(e, t, n, r, i) {
 	return n / 10;
 }
-var ks = {
-	time: Dr,
+var As = {
+	time: Or,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5398,12 +5416,12 @@ var ks = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, As = Ha({}, ks, {
+}, js = Ua({}, As, {
 	time: !1,
 	ori: 1
-}), js = {};
-function Ms(e, t) {
-	let n = js[e];
+}), Ms = {};
+function Ns(e, t) {
+	let n = Ms[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5416,38 +5434,38 @@ function Ms(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (js[e] = n)), n;
+	}, e != null && (Ms[e] = n)), n;
 }
-var Ns = 1, Ps = 2;
-function Fs(e, t, n) {
+var Ps = 1, Fs = 2;
+function Is(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ws, Ks, Js, Xs, Qs) : n(i, c, l, u, d, _, g, p, f, h, m, Gs, qs, Ys, Zs, $s);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Gs, qs, Ys, Zs, $s) : n(i, c, l, u, d, _, g, p, f, h, m, Ks, Js, Xs, Qs, ec);
 }
-function Is(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, ja);
+function Ls(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, Ma);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Ls(e, t, n, r, i) {
+function Rs(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Rs(e, t, n, r, i, a) {
-	return Fs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Ks : qs, v, y;
+function zs(e, t, n, r, i, a) {
+	return Is(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? qs : Js, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function zs(e, t, n, r, i, a) {
+function Bs(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Js : Ys, c = n;
+		let s = t == 0 ? Ys : Xs, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5460,11 +5478,11 @@ function zs(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Bs(e, t, n) {
+function Vs(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Vs(e, t, n, r, i, a, o) {
+function Hs(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5477,11 +5495,11 @@ function Vs(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Hs(e) {
-	return e == 0 ? _a : e == 1 ? na : (t) => wa(t, e);
-}
 function Us(e) {
-	let t = e == 0 ? Ws : Gs, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? va : e == 1 ? ra : (t) => Ta(t, e);
+}
+function Ws(e) {
+	let t = e == 0 ? Gs : Ks, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5491,36 +5509,36 @@ function Us(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = ia(c, o / 2, s / 2), l = ia(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = aa(c, o / 2, s / 2), l = aa(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Ws = (e, t, n) => {
+var Gs = (e, t, n) => {
 	e.moveTo(t, n);
-}, Gs = (e, t, n) => {
-	e.moveTo(n, t);
 }, Ks = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, qs = (e, t, n) => {
+	e.lineTo(t, n);
+}, Js = (e, t, n) => {
 	e.lineTo(n, t);
-}, Js = Us(0), Ys = Us(1), Xs = (e, t, n, r, i, a) => {
+}, Ys = Ws(0), Xs = Ws(1), Zs = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Zs = (e, t, n, r, i, a) => {
+}, Qs = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, Qs = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, $s = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, ec = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function ec(e) {
-	return (e, t, n, r, i) => Fs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function tc(e) {
+	return (e, t, n, r, i) => Is(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Ws, v = Xs) : (_ = Gs, v = Zs);
+		s.ori == 0 ? (_ = Gs, v = Zs) : (_ = Ks, v = Qs);
 		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Js(C, w - x, T - x, E + x * 2, D + x * 2);
+		Ys(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, $i * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, ea * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5533,25 +5551,25 @@ function ec(e) {
 		};
 	});
 }
-function tc(e) {
+function nc(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var nc = tc(Ks), rc = tc(qs);
-function ic(e) {
+var rc = nc(qs), ic = nc(Js);
+function ac(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => Fs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Ri(s, r, i);
+	return (e, n, r, i) => Is(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = zi(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Ks, b = nc) : (y = qs, b = rc);
+		c.ori == 0 ? (y = qs, b = rc) : (y = Js, b = ic);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ns
+			flags: Ps
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5564,29 +5582,29 @@ function ic(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Is(e, n);
+		let [T, E] = Ls(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Vs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = zs(l, c.ori, f, p, m, h);
+			w && l.push(...Hs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Bs(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Rs(e, n, r, i, C, -1), Rs(e, n, r, i, C, 1)] : Rs(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [zs(e, n, r, i, C, -1), zs(e, n, r, i, C, 1)] : zs(e, n, r, i, C, E)), S;
 	});
 }
-function ac(e) {
+function oc(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => Fs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Ri(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Ks : qs, T = {
+	return (e, a, o, s) => Is(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = zi(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? qs : Js, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ns
+			flags: Ps
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5597,50 +5615,50 @@ function ac(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = Is(e, a);
+		let [te, ne] = Ls(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Vs(l, u, o, s, D, S, r));
+			i.push(...Hs(l, u, o, s, D, S, r));
 			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = zs(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Bs(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [Rs(e, a, o, s, E, -1), Rs(e, a, o, s, E, 1)] : Rs(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [zs(e, a, o, s, E, -1), zs(e, a, o, s, E, 1)] : zs(e, a, o, s, E, ne)), T;
 	});
 }
-function oc(e, t, n, r, i, a, o = fa) {
+function sc(e, t, n, r, i, a, o = pa) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = ea(e[c] - e[s]);
-				t < l && (l = t, o = ea(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = ta(e[c] - e[s]);
+				t < l && (l = t, o = ta(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function sc(e) {
-	e ||= Aa;
+function cc(e) {
+	e ||= ja;
 	let t = Y(e.size, [
 		.6,
-		fa,
+		pa,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], fa), c = Y(t[2], 1), l = Y(e.disp, Aa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Fs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+	let a = X(i), o = 1 - t[0], s = Y(t[1], pa), c = Y(t[2], 1), l = Y(e.disp, ja), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Is(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
 		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Js : Ys, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Ys : Xs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, ja).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, se = C, F = T(m.width * J), ce = !1, le = null, ue = null, de = null, fe = null;
+		}, re = Y(e.bands, Ma).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, se = C, F = T(m.width * J), ce = !1, le = null, ue = null, de = null, fe = null;
 		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
 			e != null && ue.set(e, new Path2D());
 		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
@@ -5650,11 +5668,11 @@ function sc(e) {
 		if (pe != null && me != null) {
 			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = me.values(e, t, i, p);
-			P = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), se = oc(h, g, y, _, C, x, se), oe = se - P + D;
-		} else se = oc(h, g, y, _, C, x, se), oe = se * o + D, P = se - oe;
-		oe < 1 && (oe = 0), F >= P / 2 && (F = 0), oe < 5 && (T = _a);
+			P = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), se = sc(h, g, y, _, C, x, se), oe = se - P + D;
+		} else se = sc(h, g, y, _, C, x, se), oe = se * o + D, P = se - oe;
+		oe < 1 && (oe = 0), F >= P / 2 && (F = 0), oe < 5 && (T = va);
 		let he = oe > 0, ge = se - oe - (he ? F : 0);
-		P = T(ma(ge, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
+		P = T(ha(ge, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
 		let _e = {
 			stroke: null,
 			fill: null,
@@ -5677,21 +5695,21 @@ function sc(e) {
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(aa(a, M)), c = T(ia(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(oa(a, M)), c = T(aa(a, M)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
-				ce ? (F > 0 && de[n] != null && te(fe.get(de[n]), o, c + ta(F / 2), P, aa(0, u - F), i, a), le[n] != null && te(ue.get(le[n]), o, c + ta(F / 2), P, aa(0, u - F), i, a)) : te(ve, o, c + ta(F / 2), P, aa(0, u - F), i, a), ne(e, t, n, o - F / 2, c, P + F, u);
+				ce ? (F > 0 && de[n] != null && te(fe.get(de[n]), o, c + na(F / 2), P, oa(0, u - F), i, a), le[n] != null && te(ue.get(le[n]), o, c + na(F / 2), P, oa(0, u - F), i, a)) : te(ve, o, c + na(F / 2), P, oa(0, u - F), i, a), ne(e, t, n, o - F / 2, c, P + F, u);
 			}
 		}
 		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
 	});
 }
-function cc(e, t) {
+function lc(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => Fs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Ri(c, i, a);
+	return (t, r, i, a) => Is(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = zi(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Ws, S = Ks, x = Qs) : (b = Gs, S = qs, x = $s);
+		l.ori == 0 ? (b = Gs, S = qs, x = $s) : (b = Ks, S = Js, x = ec);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5703,23 +5721,23 @@ function cc(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ns
-		}, k = O.stroke, [A, j] = Is(t, r);
+			flags: Ps
+		}, k = O.stroke, [A, j] = Ls(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Vs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = zs(e, l.ori, p, m, h, g);
+			e.push(...Hs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Bs(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [Rs(t, r, i, a, k, -1), Rs(t, r, i, a, k, 1)] : Rs(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [zs(t, r, i, a, k, -1), zs(t, r, i, a, k, 1)] : zs(t, r, i, a, k, j)), O;
 	});
 }
-function lc(e) {
-	return cc(uc, e);
+function uc(e) {
+	return lc(dc, e);
 }
-function uc(e, t, n, r, i, a) {
+function dc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5734,61 +5752,61 @@ function uc(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var dc = /* @__PURE__ */ new Set();
-function fc() {
-	for (let e of dc) e.syncRect(!0);
+var fc = /* @__PURE__ */ new Set();
+function pc() {
+	for (let e of fc) e.syncRect(!0);
 }
-pi && (Mi(ci, hi, fc), Mi(li, hi, fc, !0), Mi(di, hi, () => {
-	Oc.pxRatio = J;
+mi && (Ni(li, gi, pc), Ni(ui, gi, pc, !0), Ni(fi, gi, () => {
+	kc.pxRatio = J;
 }));
-var pc = ic(), mc = ec();
-function hc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => _c(e, r, t, n));
+var mc = ac(), hc = tc();
+function gc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => vc(e, r, t, n));
 }
-function gc(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ha({}, t, e));
+function _c(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ua({}, t, e));
 }
-function _c(e, t, n, r) {
-	return Ha({}, t == 0 ? n : r, e);
+function vc(e, t, n, r) {
+	return Ua({}, t == 0 ? n : r, e);
 }
-function vc(e, t, n) {
-	return t == null ? Ma : [t, n];
+function yc(e, t, n) {
+	return t == null ? Na : [t, n];
 }
-var yc = vc;
-function bc(e, t, n) {
-	return t == null ? Ma : qi(t, n, Ui, !0);
+var bc = yc;
+function xc(e, t, n) {
+	return t == null ? Na : Ji(t, n, Wi, !0);
 }
-function xc(e, t, n, r) {
-	return t == null ? Ma : Vi(t, n, e.scales[r].log, !1);
+function Sc(e, t, n, r) {
+	return t == null ? Na : Hi(t, n, e.scales[r].log, !1);
 }
-var Sc = xc;
-function Cc(e, t, n, r) {
-	return t == null ? Ma : Hi(t, n, e.scales[r].log, !1);
+var Cc = Sc;
+function wc(e, t, n, r) {
+	return t == null ? Na : Ui(t, n, e.scales[r].log, !1);
 }
-var wc = Cc;
-function Tc(e, t, n, r, i) {
-	let a = aa(pa(e), pa(t)), o = t - e, s = Pi(i / r * o, n);
+var Tc = wc;
+function Ec(e, t, n, r, i) {
+	let a = oa(ma(e), ma(t)), o = t - e, s = Fi(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? Da.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? Oa.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Ec(e) {
+function Dc(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = na((n = +r) * J)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = ra((n = +r) * J)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function Dc(e) {
+function Oc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
 		let t = Z(e[2] * J, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function Oc(e, t, n) {
+function kc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5804,33 +5822,33 @@ function Oc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = Ci(Or);
-	if (e.id != null && (l.id = e.id), yi(l, e.class), e.title) {
-		let t = Ci(jr, l);
+	let l = r.root = wi(kr);
+	if (e.id != null && (l.id = e.id), bi(l, e.class), e.title) {
+		let t = wi(Mr, l);
 		t.textContent = e.title;
 	}
-	let u = Si("canvas"), d = r.ctx = u.getContext("2d"), f = Ci(Mr, l);
-	Mi("click", f, (e) => {
-		e.target === m && (H != nn || U != rn) && W.click(r, e);
+	let u = Ci("canvas"), d = r.ctx = u.getContext("2d"), f = wi(Nr, l);
+	Ni("click", f, (e) => {
+		e.target === m && (V != rn || cn != an) && un.click(r, e);
 	}, !0);
-	let p = r.under = Ci(Nr, f);
+	let p = r.under = wi(Pr, f);
 	f.appendChild(u);
-	let m = r.over = Ci(Pr, f);
-	e = Va(e);
-	let h = +Y(e.pxAlign, 1), g = Hs(h);
+	let m = r.over = wi(Fr, f);
+	e = Ha(e);
+	let h = +Y(e.pxAlign, 1), g = Us(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? hc(e.series || [], cs, Ds, !1) : gc(e.series || [null], Es), y = r.axes = hc(e.axes || [], as, xs, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? gc(e.series || [], ls, Os, !1) : _c(e.series || [null], Ds), y = r.axes = gc(e.axes || [], os, Ss, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: Bt,
-		series: kt
+		axes: Vt,
+		series: At
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => ca(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => da(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => la(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => fa(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5839,30 +5857,30 @@ function Oc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Aa)[t] || Aa;
+			let r = (e.scales || ja)[t] || ja;
 			if (r.from != null) {
 				E(r.from);
-				let e = Ha({}, b[r.from], r, { key: t });
+				let e = Ua({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Ha({}, t == S ? ks : As, r), n.key = t;
-				let e = n.time, a = n.range, o = Na(a);
+				n = b[t] = Ua({}, t == S ? As : js, r), n.key = t;
+				let e = n.time, a = n.range, o = Pa(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Wi : {
+					min: a[0] == null ? Gi : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Wi : {
+					max: a[1] == null ? Gi : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && La(a))) {
+				}, o = !1), !o && Ra(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Ma : qi(n, r, e);
+					a = (t, n, r) => n == null ? Na : Ji(n, r, e);
 				}
-				n.range = X(a || (e ? yc : t == S ? n.distr == 3 ? Sc : n.distr == 4 ? wc : vc : n.distr == 3 ? xc : n.distr == 4 ? Cc : bc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Os), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? bc : t == S ? n.distr == 3 ? Cc : n.distr == 4 ? Tc : yc : n.distr == 3 ? Sc : n.distr == 4 ? wc : xc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || ks), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5873,7 +5891,7 @@ function Oc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (yi(l, kr), k = a, A = o) : (yi(l, Ar), k = o, A = a);
+	D.ori == 0 ? (bi(l, Ar), k = a, A = o) : (bi(l, jr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5882,35 +5900,35 @@ function Oc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(na(e / _))), te = e.fmtDate || oo, ne = _ == 1 ? ko(ee) : Mo(ee), re = Po(ee, No(_ == 1 ? Oo : jo, te)), ie = zo(ee, Lo(Ro, te)), ae = [], M = r.legend = Ha({}, Ho, e.legend), N = r.cursor = Ha({}, Zo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, se = M.markers;
+	let ee = e.tzDate || ((e) => new Date(ra(e / _))), te = e.fmtDate || so, ne = _ == 1 ? Ao(ee) : No(ee), re = Fo(ee, Po(_ == 1 ? ko : Mo, te)), ie = Bo(ee, Ro(zo, te)), ae = [], M = r.legend = Ua({}, Uo, e.legend), N = r.cursor = Ua({}, Qo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, se = M.markers;
 	M.idxs = ae, se.width = X(se.width), se.dash = X(se.dash), se.stroke = X(se.stroke), se.fill = X(se.fill);
 	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
 		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
-		for (let e in fe) me[e] = fi;
+		for (let e in fe) me[e] = pi;
 	}
 	if (P) {
-		if (F = Si("table", Vr, l), le = Si("tbody", null, F), M.mount(r, F), pe) {
-			ce = Si("thead", null, F, le);
-			let e = Si("tr", null, ce);
-			for (var he in Si("th", null, e), fe) Si("th", Kr, e).textContent = he;
-		} else yi(F, Ur), M.live && yi(F, Hr);
+		if (F = Ci("table", Hr, l), le = Ci("tbody", null, F), M.mount(r, F), pe) {
+			ce = Ci("thead", null, F, le);
+			let e = Ci("tr", null, ce);
+			for (var he in Ci("th", null, e), fe) Ci("th", qr, e).textContent = he;
+		} else bi(F, Wr), M.live && bi(F, Ur);
 	}
 	let ge = { show: !0 }, _e = { show: !1 };
 	function ve(e, t) {
-		if (t == 0 && (pe || !M.live || i == 2)) return Ma;
-		let n = [], a = Si("tr", Wr, le, le.childNodes[t]);
-		yi(a, e.class), e.show || yi(a, Ir);
-		let o = Si("th", null, a);
+		if (t == 0 && (pe || !M.live || i == 2)) return Na;
+		let n = [], a = Ci("tr", Gr, le, le.childNodes[t]);
+		bi(a, e.class), e.show || bi(a, Lr);
+		let o = Ci("th", null, a);
 		if (se.show) {
-			let e = Ci(Gr, o);
+			let e = wi(Kr, o);
 			if (t > 0) {
 				let n = se.width(r, t);
 				n && (e.style.border = n + "px " + se.dash(r, t) + " " + se.stroke(r, t)), e.style.background = se.fill(r, t);
 			}
 		}
-		let s = Ci(Kr, o);
+		let s = wi(qr, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (se.show || (s.style.color = e.width > 0 ? se.stroke(r, t) : se.fill(r, t)), be("click", o, (t) => {
 			if (N._lock) return;
 			We(t);
@@ -5918,13 +5936,13 @@ function Oc(e, t, n) {
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && pn(r, e ? r == n ? ge : _e : ge, !0, Zn.setSeries);
+					r > 0 && hn(r, e ? r == n ? ge : _e : ge, !0, q.setSeries);
 				});
-			} else pn(n, { show: !e.show }, !0, Zn.setSeries);
-		}, !1), qe && be(ai, o, (t) => {
-			N._lock || (We(t), pn(v.indexOf(e), xn, !0, Zn.setSeries));
+			} else hn(n, { show: !e.show }, !0, q.setSeries);
+		}, !1), qe && be(oi, o, (t) => {
+			N._lock || (We(t), hn(v.indexOf(e), Cn, !0, q.setSeries));
 		}, !1)), fe) {
-			let e = Si("td", qr, a);
+			let e = Ci("td", Jr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -5932,29 +5950,29 @@ function Oc(e, t, n) {
 	let ye = /* @__PURE__ */ new Map();
 	function be(e, t, n, i = !0) {
 		let a = ye.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (Mi(e, t, a[e] = o), ye.set(t, a));
+		o && (Ni(e, t, a[e] = o), ye.set(t, a));
 	}
 	function xe(e, t, n) {
 		let r = ye.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Ni(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (Pi(n, t, r[n]), delete r[n]);
 		e ?? ye.delete(t);
 	}
 	let Se = 0, Ce = 0, I = 0, L = 0, R = 0, we = 0, Te = R, z = we, Ee = I, De = L, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
 	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
 	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), Vt(!1), Pe = !0, Ne = !0, Kt();
+		(n || e != r.width || t != r.height) && ze(e, t), Ht(!1), Pe = !0, Ne = !0, qt();
 	}
 	function ze(e, t) {
 		r.width = Se = I = e, r.height = Ce = L = t, R = we = 0, He(), Ue();
 		let n = r.bbox;
-		Oe = n.left = wa(R * J, .5), ke = n.top = wa(we * J, .5), Ae = n.width = wa(I * J, .5), je = n.height = wa(L * J, .5);
+		Oe = n.left = Ta(R * J, .5), ke = n.top = Ta(we * J, .5), Ae = n.width = Ta(I * J, .5), je = n.height = Ta(L * J, .5);
 	}
 	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = Rt(t), i = zt(t);
+			let n = zt(t), i = Bt(t);
 			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
@@ -5994,7 +6012,7 @@ function Oc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? fa, u = l >= 0 && l < fa, d = D.ori == 0 ? I : L, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? pa, u = l >= 0 && l < pa, d = D.ori == 0 ? I : L, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -6006,7 +6024,7 @@ function Oc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && ea(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && ta(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -6016,24 +6034,24 @@ function Oc(e, t, n) {
 	N.idxs = ae, N._lock = !1;
 	let Ge = N.points;
 	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = Ha({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
+	let Ke = r.focus = Ua({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
 		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return yi(n, Br), yi(n, e.class), Ti(n, -10, -10, I, L), m.insertBefore(n, Ye[t]), n;
+		if (n instanceof HTMLElement) return bi(n, Vr), bi(n, e.class), Ei(n, -10, -10, I, L), m.insertBefore(n, Ye[t]), n;
 	}
 	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Ia(n) ? zo(ee, Lo(n, te)) : n || ie : n || bs, e.label = e.label || (t ? ss : os);
+			e.value = t ? La(n) ? Bo(ee, Ro(n, te)) : n || ie : n || xs, e.label = e.label || (t ? cs : ss);
 		}
 		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || pc || ya, e.fillTo = X(e.fillTo || Ls), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Hs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Ss(aa(1, e.width), 1), n = e.points = Ha({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || mc || ba, e.fillTo = X(e.fillTo || Rs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Us(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Cs(oa(1, e.width), 1), n = e.points = Ua({}, {
 				size: t,
-				width: aa(1, t * .2),
+				width: oa(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: mc,
+				paths: hc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
@@ -6048,10 +6066,10 @@ function Oc(e, t, n) {
 			let n = null;
 			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
 		}
-		Yn("addSeries", t);
+		K("addSeries", t);
 	}
 	function et(e, t) {
-		t ??= v.length, e = i == 1 ? _c(e, t, cs, Ds) : _c(e, t, {}, Es), v.splice(t, 0, e), $e(v[t], t);
+		t ??= v.length, e = i == 1 ? vc(e, t, ls, Os) : vc(e, t, {}, Ds), v.splice(t, 0, e), $e(v[t], t);
 	}
 	r.addSeries = et;
 	function tt(e) {
@@ -6060,7 +6078,7 @@ function Oc(e, t, n) {
 			let t = ue.splice(e, 1)[0];
 			xe(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Yn("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), K("delSeries", e);
 	}
 	r.delSeries = tt;
 	let nt = [
@@ -6074,29 +6092,29 @@ function Oc(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Na(e.incrs) && e.incrs.forEach((e) => {
-				!Da.has(e) && Da.set(e, Oa(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? mo : a ? _ == 1 ? Do : Ao : ho)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? ds : i.distr == 4 ? fs : us)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Pa(e.incrs) && e.incrs.forEach((e) => {
+				!Oa.has(e) && Oa.set(e, ka(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? ho : a ? _ == 1 ? Oo : jo : go)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? fs : i.distr == 4 ? ps : ds)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = Na(o) && !Na(o[0]) ? X(o) : a ? Na(o) ? Po(ee, No(o, te)) : Ia(o) ? Fo(ee, o) : o || re : o || ls, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? vs : i.distr == 3 && i.log == 2 ? ys : va)), e.font = Ec(e.font), e.labelFont = Ec(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = Ci(Fr, f));
+			e.values = Pa(o) && !Pa(o[0]) ? X(o) : a ? Pa(o) ? Fo(ee, Po(o, te)) : La(o) ? Io(ee, o) : o || re : o || us, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ys : i.distr == 3 && i.log == 2 ? bs : ya)), e.font = Dc(e.font), e.labelFont = Dc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = wi(Ir, f));
 		}
 	}
 	function it(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? na(as.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? na(xs.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? ra(os.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? ra(Ss.size / 2) : 0), l;
 	}
 	let at = r.padding = (e.padding || [
 		it,
 		it,
 		it,
 		it
-	]).map((e) => X(Y(e, it))), ot = r._padding = at.map((e, t) => e(r, t, nt, 0)), st, ct = null, lt = null, ut = i == 1 ? v[0].idxs : null, B = null, dt = !1;
-	function ft(e, n) {
+	]).map((e) => X(Y(e, it))), ot = r._padding = at.map((e, t) => e(r, t, nt, 0)), st, ct = null, lt = null, ut = i == 1 ? v[0].idxs : null, dt = null, ft = !1;
+	function pt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
 			st = 0;
 			for (let e = 1; e < v.length; e++) st += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), B = t[0], st = B.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), dt = t[0], st = dt.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
@@ -6105,55 +6123,55 @@ function Oc(e, t, n) {
 			}
 			r._data = t = e;
 		}
-		if (Vt(!0), Yn("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (Ht(!0), K("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, dt) ? pt() : fn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, Kt();
+			e.auto(r, ft) ? mt() : mn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, qt();
 		}
 	}
-	r.setData = ft;
-	function pt() {
-		dt = !0;
+	r.setData = pt;
+	function mt() {
+		ft = !0;
 		let e, n;
-		i == 1 && (st > 0 ? (ct = ut[0] = 0, lt = ut[1] = st - 1, e = t[0][ct], n = t[0][lt], O == 2 ? (e = ct, n = lt) : e == n && (O == 3 ? [e, n] = Vi(e, e, D.log, !1) : O == 4 ? [e, n] = Hi(e, e, D.log, !1) : D.time ? n = e + na(86400 / _) : [e, n] = qi(e, n, Ui, !0))) : (ct = ut[0] = e = null, lt = ut[1] = n = null)), fn(S, e, n);
+		i == 1 && (st > 0 ? (ct = ut[0] = 0, lt = ut[1] = st - 1, e = t[0][ct], n = t[0][lt], O == 2 ? (e = ct, n = lt) : e == n && (O == 3 ? [e, n] = Hi(e, e, D.log, !1) : O == 4 ? [e, n] = Ui(e, e, D.log, !1) : D.time ? n = e + ra(86400 / _) : [e, n] = Ji(e, n, Wi, !0))) : (ct = ut[0] = e = null, lt = ut[1] = n = null)), mn(S, e, n);
 	}
-	let mt, ht, gt, _t, V, vt, yt, bt, xt, St;
-	function Ct(e, t, n, r, i, a) {
-		e ??= ti, n ??= ja, r ??= "butt", i ??= ti, a ??= "round", e != mt && (d.strokeStyle = mt = e), i != ht && (d.fillStyle = ht = i), t != gt && (d.lineWidth = gt = t), a != V && (d.lineJoin = V = a), r != vt && (d.lineCap = vt = r), n != _t && d.setLineDash(_t = n);
+	let ht, gt, _t, vt, yt, B, bt, xt, St, Ct;
+	function wt(e, t, n, r, i, a) {
+		e ??= ni, n ??= Ma, r ??= "butt", i ??= ni, a ??= "round", e != ht && (d.strokeStyle = ht = e), i != gt && (d.fillStyle = gt = i), t != _t && (d.lineWidth = _t = t), a != yt && (d.lineJoin = yt = a), r != B && (d.lineCap = B = r), n != vt && d.setLineDash(vt = n);
 	}
-	function wt(e, t, n, r) {
-		t != ht && (d.fillStyle = ht = t), e != yt && (d.font = yt = e), n != bt && (d.textAlign = bt = n), r != xt && (d.textBaseline = xt = r);
+	function Tt(e, t, n, r) {
+		t != gt && (d.fillStyle = gt = t), e != bt && (d.font = bt = e), n != xt && (d.textAlign = xt = n), r != St && (d.textBaseline = St = r);
 	}
-	function Tt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
-			let t = Y(ct, 0), r = Y(lt, i.length - 1), o = n.min == null ? Bi(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = ia(e.min, n.min = o[0]), e.max = aa(e.max, n.max = o[1]);
+	function Et(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, ft) && (t == null || t.min == null)) {
+			let t = Y(ct, 0), r = Y(lt, i.length - 1), o = n.min == null ? Vi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = aa(e.min, n.min = o[0]), e.max = oa(e.max, n.max = o[1]);
 		}
 	}
-	let Et = {
+	let Dt = {
 		min: null,
 		max: null
 	};
-	function Dt() {
+	function Ot() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, dt)) && (j[e] = Et);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ft)) && (j[e] = Dt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Et);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Dt);
 		}
-		j[S] != null && Vt(!0);
+		j[S] != null && Ht(!0);
 		let e = {};
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Va(b[t], Ra);
-				if (n.min != null) Ha(a, n);
+				let a = e[t] = Ha(b[t], za);
+				if (n.min != null) Ua(a, n);
 				else if (t != S || i == 2) {
 					if (st == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = fa, a.max = -Infinity;
+					} else a.min = pa, a.max = -Infinity;
 				}
 			}
 		}
@@ -6165,18 +6183,18 @@ function Oc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], ct = Pi(s.min, t[0]), lt = Pi(s.max, t[0]), lt - ct > 1 && (t[0][ct] < s.min && ct++, t[0][lt] > s.max && lt--), n.min = B[ct], n.max = B[lt];
-					} else n.show && n.auto && Tt(s, o, n, t[a], n.sorted);
+						s.min = e[0], s.max = e[1], ct = Fi(s.min, t[0]), lt = Fi(s.max, t[0]), lt - ct > 1 && (t[0][ct] < s.min && ct++, t[0][lt] > s.max && lt--), n.min = dt[ct], n.max = dt[lt];
+					} else n.show && n.auto && Et(s, o, n, t[a], n.sorted);
 					n.idxs[0] = ct, n.idxs[1] = lt;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && Tt(u, j[o], r, c, r.sorted), d != null && Tt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && Et(u, j[o], r, c, r.sorted), d != null && Et(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == fa ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == pa ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6198,52 +6216,52 @@ function Oc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? ca(i.min) : e == 4 ? da(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ca(i.max) : e == 4 ? da(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? la(i.min) : e == 4 ? fa(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? la(i.max) : e == 4 ? fa(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, Yn("setScale", e);
+			for (let e in n) Pe = !0, K("setScale", e);
 			oe && N.left >= 0 && (Fe = Le = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
-	function Ot(e) {
-		let t = ma(ct - 1, 0, st - 1), n = ma(lt + 1, 0, st - 1);
+	function kt(e) {
+		let t = ha(ct - 1, 0, st - 1), n = ha(lt + 1, 0, st - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < st - 1;) n++;
 		return [t, n];
 	}
-	function kt() {
+	function At() {
 		if (st > 0) {
-			let e = v.some((e) => e._focus) && St != Ke.alpha;
-			e && (d.globalAlpha = St = Ke.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (At(n, !1), At(n, !0), e._paths == null)) {
-					let a = St;
-					St != e.alpha && (d.globalAlpha = St = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : Ot(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), St != a && (d.globalAlpha = St = a);
+			let e = v.some((e) => e._focus) && Ct != Ke.alpha;
+			e && (d.globalAlpha = Ct = Ke.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (jt(n, !1), jt(n, !0), e._paths == null)) {
+					let a = Ct;
+					Ct != e.alpha && (d.globalAlpha = Ct = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : kt(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), Ct != a && (d.globalAlpha = Ct = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = St;
-					St != e.alpha && (d.globalAlpha = St = e.alpha), e._paths != null && jt(t, !1);
+					let n = Ct;
+					Ct != e.alpha && (d.globalAlpha = Ct = e.alpha), e._paths != null && Mt(t, !1);
 					{
 						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ct, lt, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, ct, lt, a), jt(t, !0));
+						(i || a) && (e.points._paths = e.points.paths(r, t, ct, lt, a), Mt(t, !0));
 					}
-					St != n && (d.globalAlpha = St = n), Yn("drawSeries", t);
+					Ct != n && (d.globalAlpha = Ct = n), K("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = St = 1);
+			}), e && (d.globalAlpha = Ct = 1);
 		}
 	}
-	function At(e, t) {
+	function jt(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function jt(e, t) {
+	function Mt(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
 		l = Z(l * J, 3);
 		let u = null, f = l % 2 / 2;
@@ -6253,90 +6271,90 @@ function Oc(e, t, n) {
 			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? Nt(s, l, n.dash, n.cap, c, r, i, o, a) : Mt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Pt(s, l, n.dash, n.cap, c, r, i, o, a) : Nt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function Mt(e, n, i, a, o, s, c, l, u, d, f) {
+	function Nt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Aa).band;
-				Na(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || ja).band;
+				Pa(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Ji(g, ct, lt) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Nt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Yi(g, ct, lt) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Pt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || Nt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Pt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function Nt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		Ct(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Ft(i, o), Pt(e, a, t)) : s & Ps ? (Ft(i, o), d.clip(f), Pt(e, a, t)) : s & Ns && (d.save(), d.clip(f), u && d.clip(u), Ft(i, o), d.restore(), Pt(e, a, t)) : (Ft(i, o), Pt(e, a, t)), (c || l || f) && d.restore();
+	function Pt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		wt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), It(i, o), Ft(e, a, t)) : s & Fs ? (It(i, o), d.clip(f), Ft(e, a, t)) : s & Ps && (d.save(), d.clip(f), u && d.clip(u), It(i, o), d.restore(), Ft(e, a, t)) : (It(i, o), Ft(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Pt(e, t, n) {
+	function Ft(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = mt = t, d.stroke(e);
+			d.strokeStyle = ht = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function Ft(e, t) {
+	function It(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = ht = t, d.fill(e);
+			d.fillStyle = gt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function It(e, t, n, i) {
+	function Lt(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = Tc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Ec(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function Lt(e, t, n, r, i, a, o, s, c, l) {
+	function Rt(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), Ct(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), wt(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function Rt(e) {
+	function zt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Vt(!1));
+				n._show && (t = !1, n._show = !1, Ht(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, Vt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = It(i, c, l, s == 0 ? I : L);
+			n._show || (t = !1, n._show = !0, Ht(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Lt(i, c, l, s == 0 ? I : L);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => B[e]) : p, h = a.distr == 2 ? B[p[1]] - B[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => dt[e]) : p, h = a.distr == 2 ? dt[p[1]] - dt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = ra(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = ia(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function zt(e) {
+	function Bt(e) {
 		let t = !0;
 		return at.forEach((n, i) => {
 			let a = n(r, i, nt, e);
 			a != ot[i] && (t = !1), ot[i] = a;
 		}), t;
 	}
-	function Bt() {
+	function Vt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = na((t._lpos + s) * J);
-				wt(t.labelFont[0], c, "center", n == 2 ? Xr : Zr), d.save(), i == 1 ? (a = o = 0, d.translate(p, na(ke + je / 2)), d.rotate((n == 3 ? -$i : $i) / 2)) : (a = na(Oe + Ae / 2), o = p);
-				let m = ha(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = ra((t._lpos + s) * J);
+				Tt(t.labelFont[0], c, "center", n == 2 ? Zr : Qr), d.save(), i == 1 ? (a = o = 0, d.translate(p, ra(ke + je / 2)), d.rotate((n == 3 ? -ea : ea) / 2)) : (a = ra(Oe + Ae / 2), o = p);
+				let m = ga(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => B[e]) : _, x = p.distr == 2 ? B[_[1]] - B[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = na(w * J), E = na((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -$i / 180, O = g(t._pos * J), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => dt[e]) : _, x = p.distr == 2 ? dt[_[1]] - dt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = ra(w * J), E = ra((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -ea / 180, O = g(t._pos * J), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			wt(A, c, t.align == 1 ? Qr : t.align == 2 ? $r : D > 0 ? Qr : D < 0 ? $r : i == 0 ? "center" : n == 3 ? $r : Qr, D || i == 1 ? "middle" : n == 2 ? Xr : Zr);
+			Tt(A, c, t.align == 1 ? $r : t.align == 2 ? ei : D > 0 ? $r : D < 0 ? ei : i == 0 ? "center" : n == 3 ? ei : $r, D || i == 1 ? "middle" : n == 2 ? Zr : Qr);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6349,65 +6367,65 @@ function Oc(e, t, n) {
 					}
 				}
 			}
-			S.show && Lt(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && Rt(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && Lt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Lt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && Rt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Rt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Yn("drawAxes");
+		K("drawAxes");
 	}
-	function Vt(e) {
+	function Ht(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Ht = !1, Ut = !1, Wt = [];
-	function Gt() {
-		Ut = !1;
-		for (let e = 0; e < Wt.length; e++) Yn(...Wt[e]);
-		Wt.length = 0;
-	}
+	let Ut = !1, Wt = !1, Gt = [];
 	function Kt() {
-		Ht ||= (Ja(Jt), !0);
+		Wt = !1;
+		for (let e = 0; e < Gt.length; e++) K(...Gt[e]);
+		Gt.length = 0;
 	}
-	function qt(e, t = !1) {
-		Ht = !0, Ut = t, e(r), Jt(), t && Wt.length > 0 && queueMicrotask(Gt);
+	function qt() {
+		Ut ||= (Ya(Yt), !0);
 	}
-	r.batch = qt;
-	function Jt() {
-		if (Me &&= (Dt(), !1), Pe &&= (Be(), !1), Ne) {
-			if (xi(p, Qr, R), xi(p, Xr, we), xi(p, Jr, I), xi(p, Yr, L), xi(m, Qr, R), xi(m, Xr, we), xi(m, Jr, I), xi(m, Yr, L), xi(f, Jr, Se), xi(f, Yr, Ce), u.width = na(Se * J), u.height = na(Ce * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	function Jt(e, t = !1) {
+		Ut = !0, Wt = t, e(r), Yt(), t && Gt.length > 0 && queueMicrotask(Kt);
+	}
+	r.batch = Jt;
+	function Yt() {
+		if (Me &&= (Ot(), !1), Pe &&= (Be(), !1), Ne) {
+			if (Si(p, $r, R), Si(p, Zr, we), Si(p, Yr, I), Si(p, Xr, L), Si(m, $r, R), Si(m, Zr, we), Si(m, Yr, I), Si(m, Xr, L), Si(f, Yr, Se), Si(f, Xr, Ce), u.width = ra(Se * J), u.height = ra(Ce * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						xi(e, a ? "left" : "top", r - t), xi(e, a ? "width" : "height", n), xi(e, a ? "top" : "left", a ? we : R), xi(e, a ? "height" : "width", a ? L : I), bi(e, Ir);
-					} else yi(e, Ir);
+						Si(e, a ? "left" : "top", r - t), Si(e, a ? "width" : "height", n), Si(e, a ? "top" : "left", a ? we : R), Si(e, a ? "height" : "width", a ? L : I), xi(e, Lr);
+					} else bi(e, Lr);
 				}
-			}), mt = ht = gt = V = vt = yt = bt = xt = _t = null, St = 1, Pn(!0), R != Te || we != z || I != Ee || L != De) {
-				Vt(!1);
+			}), ht = gt = _t = yt = B = bt = xt = St = vt = null, Ct = 1, In(!0), R != Te || we != z || I != Ee || L != De) {
+				Ht(!1);
 				let e = I / Ee, t = L / De;
 				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, Qt && Ti(Qt, na(N.left), 0, I, L), $t && Ti($t, 0, na(N.top), I, L);
+					N.left *= e, N.top *= t, $t && Ei($t, ra(N.left), 0, I, L), en && Ei(en, 0, ra(N.top), I, L);
 					for (let n = 0; n < Ye.length; n++) {
 						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, Ti(r, ra(Xe[n]), ra(Ze[n]), I, L));
+						r != null && (Xe[n] *= e, Ze[n] *= t, Ei(r, ia(Xe[n]), ia(Ze[n]), I, L));
 					}
 				}
-				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
-					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
-					for (let e in In) xi(ln, e, K[e]);
+				if (W.show && !Ie && W.left >= 0 && W.width > 0) {
+					W.left *= e, W.width *= e, W.top *= t, W.height *= t;
+					for (let e in G) Si(dn, e, W[e]);
 				}
 				Te = R, z = we, Ee = I, De = L;
 			}
-			Yn("setSize"), Ne = !1;
+			K("setSize"), Ne = !1;
 		}
-		Se > 0 && Ce > 0 && (d.clearRect(0, 0, u.width, u.height), Yn("drawClear"), w.forEach((e) => e()), Yn("draw")), K.show && Ie && (un(K), Ie = !1), oe && Fe && (Mn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, Yn("ready")), dt = !1, Ht = !1;
+		Se > 0 && Ce > 0 && (d.clearRect(0, 0, u.width, u.height), K("drawClear"), w.forEach((e) => e()), K("draw")), W.show && Ie && (fn(W), Ie = !1), oe && Fe && (Pn(null, !0, !1), Fe = !1), M.show && M.live && Le && (Mn(), Le = !1), c || (c = !0, r.status = 1, K("ready")), ft = !1, Ut = !1;
 	}
 	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? Kt() : fn(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? qt() : mn(S, D.min, D.max);
 	};
-	function Yt(e, n) {
+	function Xt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
 			if (st == 0) {
@@ -6419,144 +6437,144 @@ function Oc(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (st > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && st > 0 && (n.min = Pi(n.min, t[0]), n.max = Pi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, Kt();
+			e == S && i.distr == 2 && st > 0 && (n.min = Fi(n.min, t[0]), n.max = Fi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, qt();
 		}
 	}
-	r.setScale = Yt;
-	let Xt, Zt, Qt, $t, en, tn, nn, rn, an, on, H, U, sn = !1, W = N.drag, G = W.x, cn = W.y;
-	oe && (N.x && (Xt = Ci(Rr, m)), N.y && (Zt = Ci(zr, m)), D.ori == 0 ? (Qt = Xt, $t = Zt) : (Qt = Zt, $t = Xt), H = N.left, U = N.top);
-	let K = r.select = Ha({
+	r.setScale = Xt;
+	let Zt, Qt, $t, en, tn, nn, rn, an, on, sn, V, cn, ln = !1, un = N.drag, H = un.x, U = un.y;
+	oe && (N.x && (Zt = wi(zr, m)), N.y && (Qt = wi(Br, m)), D.ori == 0 ? ($t = Zt, en = Qt) : ($t = Qt, en = Zt), V = N.left, cn = N.top);
+	let W = r.select = Ua({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), ln = K.show ? Ci(Lr, K.over ? m : p) : null;
-	function un(e, t) {
-		if (K.show) {
-			for (let t in e) K[t] = e[t], t in In && xi(ln, t, e[t]);
-			t !== !1 && Yn("setSelect");
+	}, e.select), dn = W.show ? wi(Rr, W.over ? m : p) : null;
+	function fn(e, t) {
+		if (W.show) {
+			for (let t in e) W[t] = e[t], t in G && Si(dn, t, e[t]);
+			t !== !1 && K("setSelect");
 		}
 	}
-	r.setSelect = un;
-	function dn(e) {
-		if (v[e].show) P && bi(ue[e], Ir);
-		else if (P && yi(ue[e], Ir), oe) {
+	r.setSelect = fn;
+	function pn(e) {
+		if (v[e].show) P && xi(ue[e], Lr);
+		else if (P && bi(ue[e], Lr), oe) {
 			let t = Je ? Ye[0] : Ye[e];
-			t != null && Ti(t, -10, -10, I, L);
+			t != null && Ei(t, -10, -10, I, L);
 		}
 	}
-	function fn(e, t, n) {
-		Yt(e, {
+	function mn(e, t, n) {
+		Xt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function pn(e, t, n, a) {
-		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), Kt());
-		}), n !== !1 && Yn("setSeries", e, t), a && er("setSeries", r, e, t);
+	function hn(e, t, n, a) {
+		t.focus != null && wn(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, pn(r), i == 2 ? (mn(n.facets[0].scale, null, null), mn(n.facets[1].scale, null, null)) : mn(n.scale, null, null), qt());
+		}), n !== !1 && K("setSeries", e, t), a && er("setSeries", r, e, t);
 	}
-	r.setSeries = pn;
-	function mn(e, t) {
-		Ha(x[e], t);
+	r.setSeries = hn;
+	function gn(e, t) {
+		Ua(x[e], t);
 	}
-	function hn(e, t) {
+	function _n(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function gn(e) {
+	function vn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = hn, r.setBand = mn, r.delBand = gn;
-	function _n(e, t) {
+	r.addBand = _n, r.setBand = gn, r.delBand = vn;
+	function yn(e, t) {
 		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && ue[e] && (ue[e].style.opacity = t);
 	}
-	let vn, yn, bn, xn = { focus: !0 };
-	function Sn(e) {
-		if (e != bn) {
+	let bn, xn, Sn, Cn = { focus: !0 };
+	function wn(e) {
+		if (e != Sn) {
 			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && _n(a, i ? 1 : Ke.alpha);
+					r._focus = t ? null : i, n && yn(a, i ? 1 : Ke.alpha);
 				}
-			}), bn = e, n && Kt();
+			}), Sn = e, n && qt();
 		}
 	}
-	P && qe && be(oi, F, (e) => {
-		N._lock || (We(e), bn != null && pn(null, xn, !0, Zn.setSeries));
+	P && qe && be(si, F, (e) => {
+		N._lock || (We(e), Sn != null && hn(null, Cn, !0, q.setSeries));
 	});
-	function Cn(e, t, n) {
+	function Tn(e, t, n) {
 		let r = b[t];
 		n && (e = e / J - (r.ori == 1 ? we : R));
 		let i = I;
 		r.ori == 1 && (i = L, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? oa(10, c) : l == 4 ? ua(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? sa(10, c) : l == 4 ? da(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function wn(e, n) {
-		return Pi(Cn(e, S, n), t[0], ct, lt);
+	function En(e, n) {
+		return Fi(Tn(e, S, n), t[0], ct, lt);
 	}
-	r.valToIdx = (e) => Pi(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : I, n ? Oe : 0) : o(e, b[t], n ? je : L, n ? ke : 0), r.setCursor = (e, t, n) => {
-		H = e.left, U = e.top, Mn(null, t, n);
+	r.valToIdx = (e) => Fi(e, t[0]), r.posToIdx = En, r.posToVal = Tn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : I, n ? Oe : 0) : o(e, b[t], n ? je : L, n ? ke : 0), r.setCursor = (e, t, n) => {
+		V = e.left, cn = e.top, Pn(null, t, n);
 	};
-	function Tn(e, t) {
-		xi(ln, Qr, K.left = e), xi(ln, Jr, K.width = t);
+	function Dn(e, t) {
+		Si(dn, $r, W.left = e), Si(dn, Yr, W.width = t);
 	}
-	function En(e, t) {
-		xi(ln, Xr, K.top = e), xi(ln, Yr, K.height = t);
+	function On(e, t) {
+		Si(dn, Zr, W.top = e), Si(dn, Xr, W.height = t);
 	}
-	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
-	function kn() {
+	let kn = D.ori == 0 ? Dn : On, An = D.ori == 1 ? Dn : On;
+	function jn() {
 		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
 			if (e == 0 && pe) continue;
 			let t = M.values[e], n = 0;
 			for (let r in t) de[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function An(e, t) {
+	function Mn(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : Fa(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && jn(e, ae[e]);
-			kn();
+		}) : Ia(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && Nn(e, ae[e]);
+			jn();
 		}
-		Le = !1, t !== !1 && Yn("setLegend");
+		Le = !1, t !== !1 && K("setLegend");
 	}
-	r.setLegend = An;
-	function jn(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? B : t[e], o;
+	r.setLegend = Mn;
+	function Nn(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? dt : t[e], o;
 		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), M.values[e] = o;
 	}
-	function Mn(e, n, a) {
-		an = H, on = U, [H, U] = N.move(r, H, U), N.left = H, N.top = U, oe && (Qt && Ti(Qt, na(H), 0, I, L), $t && Ti($t, 0, na(U), I, L));
+	function Pn(e, n, a) {
+		on = V, sn = cn, [V, cn] = N.move(r, V, cn), N.left = V, N.top = cn, oe && ($t && Ei($t, ra(V), 0, I, L), en && Ei(en, 0, ra(cn), I, L));
 		let o, s = ct > lt;
-		vn = fa, yn = null;
+		bn = pa, xn = null;
 		let c = D.ori == 0 ? I : L, l = D.ori == 1 ? I : L;
-		if (H < 0 || st == 0 || s) {
+		if (V < 0 || st == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Ye[e];
-				t != null && Ti(t, -10, -10, I, L);
+				t != null && Ei(t, -10, -10, I, L);
 			}
-			qe && pn(null, xn, !0, e == null && Zn.setSeries), M.live && (ae.fill(o), Le = !0);
+			qe && hn(null, Cn, !0, e == null && q.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? H : U, n = Cn(e, S), o = N.idx = Pi(n, t[0], ct, lt), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? V : cn, n = Tn(e, S), o = N.idx = Fi(n, t[0], ct, lt), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (qe && S != null) {
-						let t = D.ori == 1 ? H : U, n = ea(Ke.dist(r, e, x, _, t));
-						if (n < vn) {
+						let t = D.ori == 1 ? V : cn, n = ta(Ke.dist(r, e, x, _, t));
+						if (n < bn) {
 							let r = Ke.bias;
 							if (r != 0) {
-								let i = Cn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vn = n, yn = e);
-							} else vn = n, yn = e;
+								let i = Tn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (bn = n, xn = e);
+							} else bn = n, xn = e;
 						}
 					}
 					if (Le || Je) {
@@ -6568,197 +6586,197 @@ function Oc(e, t, n) {
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
 						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == yn && vn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == xn && bn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, ki(t, a, o, y), Di(t, v, g), Ti(t, ra(c), ra(l), I, L));
+							t != null && (Xe[e] = c, Ze[e] = l, Ai(t, a, o, y), Oi(t, v, g), Ei(t, ia(c), ia(l), I, L));
 						}
 					}
 				}
 			}
 			if (Je) {
 				let e = Ke.prox;
-				if (Le || (bn == null ? vn <= e : vn > e || yn != bn)) {
+				if (Le || (Sn == null ? bn <= e : bn > e || xn != Sn)) {
 					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, ki(e, d, f, p), Di(e, m, h), Ti(e, ra(s), ra(u), I, L));
+					e != null && (Xe[0] = s, Ze[0] = u, Ai(e, d, f, p), Oi(e, m, h), Ei(e, ia(s), ia(u), I, L));
 				}
 			}
 		}
-		if (K.show && sn) {
+		if (W.show && ln) {
 			if (e != null) {
-				let [t, n] = Zn.scales, [r, i] = Zn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (G = s._x, cn = s._y, G || cn) {
+				let [t, n] = q.scales, [r, i] = q.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (H = s._x, U = s._y, H || U) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && G ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(ia(v, y), ea(y - v))) : Dn(0, c), S && cn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(ia(v, y), ea(y - v))) : On(0, l);
-				} else Ln();
+					x && H ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), kn(aa(v, y), ta(y - v))) : kn(0, c), S && U ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), An(aa(v, y), ta(y - v))) : An(0, l);
+				} else zn();
 			} else {
-				let e = ea(an - en), t = ea(on - tn);
+				let e = ta(on - tn), t = ta(sn - nn);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				G = W.x && e >= W.dist, cn = W.y && t >= W.dist;
-				let n = W.uni;
-				n == null ? W.x && W.y && (G || cn) && (G = cn = !0) : G && cn && (G = e >= n, cn = t >= n, !G && !cn && (t > e ? cn = !0 : G = !0));
+				H = un.x && e >= un.dist, U = un.y && t >= un.dist;
+				let n = un.uni;
+				n == null ? un.x && un.y && (H || U) && (H = U = !0) : H && U && (H = e >= n, U = t >= n, !H && !U && (t > e ? U = !0 : H = !0));
 				let r, i;
-				G && (D.ori == 0 ? (r = nn, i = H) : (r = rn, i = U), Dn(ia(r, i), ea(i - r)), cn || On(0, l)), cn && (D.ori == 1 ? (r = nn, i = H) : (r = rn, i = U), On(ia(r, i), ea(i - r)), G || Dn(0, c)), !G && !cn && (Dn(0, 0), On(0, 0));
+				H && (D.ori == 0 ? (r = rn, i = V) : (r = an, i = cn), kn(aa(r, i), ta(i - r)), U || An(0, l)), U && (D.ori == 1 ? (r = rn, i = V) : (r = an, i = cn), An(aa(r, i), ta(i - r)), H || kn(0, c)), !H && !U && (kn(0, 0), An(0, 0));
 			}
 		}
-		if (W._x = G, W._y = cn, e == null) {
+		if (un._x = H, un._y = U, e == null) {
 			if (a) {
 				if (Qn != null) {
-					let [e, t] = Zn.scales;
-					Zn.values[0] = e == null ? null : Cn(D.ori == 0 ? H : U, e), Zn.values[1] = t == null ? null : Cn(D.ori == 1 ? H : U, t);
+					let [e, t] = q.scales;
+					q.values[0] = e == null ? null : Tn(D.ori == 0 ? V : cn, e), q.values[1] = t == null ? null : Tn(D.ori == 1 ? V : cn, t);
 				}
-				er(ni, r, H, U, I, L, o);
+				er(ri, r, V, cn, I, L, o);
 			}
 			if (qe) {
-				let e = a && Zn.setSeries, t = Ke.prox;
-				bn == null ? vn <= t && pn(yn, xn, !0, e) : vn > t ? pn(null, xn, !0, e) : yn != bn && pn(yn, xn, !0, e);
+				let e = a && q.setSeries, t = Ke.prox;
+				Sn == null ? bn <= t && hn(xn, Cn, !0, e) : bn > t ? hn(null, Cn, !0, e) : xn != Sn && hn(xn, Cn, !0, e);
 			}
 		}
-		Le && (M.idx = o, An()), n !== !1 && Yn("setCursor");
+		Le && (M.idx = o, Mn()), n !== !1 && K("setCursor");
 	}
-	let Nn = null;
+	let Fn = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Nn ?? Pn(!1), Nn;
+		return Fn ?? In(!1), Fn;
 	} });
-	function Pn(e = !1) {
-		e ? Nn = null : (Nn = m.getBoundingClientRect(), Yn("syncRect", Nn));
+	function In(e = !1) {
+		e ? Fn = null : (Fn = m.getBoundingClientRect(), K("syncRect", Fn));
 	}
-	function Fn(e, t, n, r, i, a, o) {
-		N._lock || sn && e != null && e.movementX == 0 && e.movementY == 0 || (q(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
+	function Ln(e, t, n, r, i, a, o) {
+		N._lock || ln && e != null && e.movementX == 0 && e.movementY == 0 || (Rn(e, t, n, r, i, a, o, !1, e != null), e == null ? Pn(t, !0, !1) : Pn(null, !0, !0));
 	}
-	function q(e, t, n, i, a, o, c, l, u) {
-		if (Nn ?? Pn(!1), We(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
+	function Rn(e, t, n, i, a, o, c, l, u) {
+		if (Fn ?? In(!1), We(e), e != null) n = e.clientX - Fn.left, i = e.clientY - Fn.top;
 		else {
 			if (n < 0 || i < 0) {
-				H = -10, U = -10;
+				V = -10, cn = -10;
 				return;
 			}
-			let [e, r] = Zn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Zn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? I : L, _ = D.ori == 1 ? I : L, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = q.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = q.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? I : L, _ = D.ori == 1 ? I : L, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == ni) && ((n <= 1 || n >= I - 1) && (n = wa(n, I)), (i <= 1 || i >= L - 1) && (i = wa(i, L))), l ? (en = n, tn = i, [nn, rn] = N.move(r, n, i)) : (H = n, U = i);
+		u && (t == null || t.cursor.event.type == ri) && ((n <= 1 || n >= I - 1) && (n = Ta(n, I)), (i <= 1 || i >= L - 1) && (i = Ta(i, L))), l ? (tn = n, nn = i, [rn, an] = N.move(r, n, i)) : (V = n, cn = i);
 	}
-	let In = {
+	let G = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function Ln() {
-		un(In, !1);
+	function zn() {
+		fn(G, !1);
 	}
-	let Rn, zn, Bn, Vn;
-	function Hn(e, t, n, i, a, o, s) {
-		sn = !0, G = cn = W._x = W._y = !1, q(e, t, n, i, a, o, s, !0, !1), e != null && (be(ii, mi, Un, !1), er(ri, r, nn, rn, I, L, null));
-		let { left: c, top: l, width: u, height: d } = K;
-		Rn = c, zn = l, Bn = u, Vn = d;
-	}
-	function Un(e, t, n, i, a, o, s) {
-		sn = W._x = W._y = !1, q(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = Rn != c || zn != l || Bn != u || Vn != d;
-		if (f && p && un(K), W.setScale && f && p) {
-			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), G && fn(S, Cn(e, S), Cn(e + t, S)), cn) for (let e in b) {
-				let t = b[e];
-				e != S && t.from == null && t.min != fa && fn(e, Cn(n + r, e), Cn(n, e));
-			}
-			Ln();
-		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
-		e != null && (xe(ii, mi), er(ii, r, H, U, I, L, null));
-	}
-	function Wn(e, t, n, r, i, a, o) {
-		if (N._lock) return;
-		We(e);
-		let s = sn;
-		if (sn) {
-			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = G, r = cn) : (n = cn, r = G), n && r && (e = H <= 10 || H >= I - 10, t = U <= 10 || U >= L - 10), n && e && (H = H < nn ? 0 : I), r && t && (U = U < rn ? 0 : L), Mn(null, !0, !0), sn = !1;
-		}
-		H = -10, U = -10, ae.fill(null), Mn(null, !0, !0), s && (sn = s);
+	let Bn, Vn, Hn, Un;
+	function Wn(e, t, n, i, a, o, s) {
+		ln = !0, H = U = un._x = un._y = !1, Rn(e, t, n, i, a, o, s, !0, !1), e != null && (be(ai, hi, Gn, !1), er(ii, r, rn, an, I, L, null));
+		let { left: c, top: l, width: u, height: d } = W;
+		Bn = c, Vn = l, Hn = u, Un = d;
 	}
 	function Gn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), pt(), Ln(), e != null && er(si, r, H, U, I, L, null));
+		ln = un._x = un._y = !1, Rn(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = W, f = u > 0 || d > 0, p = Bn != c || Vn != l || Hn != u || Un != d;
+		if (f && p && fn(W), un.setScale && f && p) {
+			let e = c, t = u, n = l, r = d;
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), H && mn(S, Tn(e, S), Tn(e + t, S)), U) for (let e in b) {
+				let t = b[e];
+				e != S && t.from == null && t.min != pa && mn(e, Tn(n + r, e), Tn(n, e));
+			}
+			zn();
+		} else N.lock && (N._lock = !N._lock, Pn(t, !0, e != null));
+		e != null && (xe(ai, hi), er(ai, r, V, cn, I, L, null));
 	}
-	function Kn() {
-		y.forEach(Dc), Re(r.width, r.height, !0);
+	function Kn(e, t, n, r, i, a, o) {
+		if (N._lock) return;
+		We(e);
+		let s = ln;
+		if (ln) {
+			let e = !0, t = !0, n, r;
+			D.ori == 0 ? (n = H, r = U) : (n = U, r = H), n && r && (e = V <= 10 || V >= I - 10, t = cn <= 10 || cn >= L - 10), n && e && (V = V < rn ? 0 : I), r && t && (cn = cn < an ? 0 : L), Pn(null, !0, !0), ln = !1;
+		}
+		V = -10, cn = -10, ae.fill(null), Pn(null, !0, !0), s && (ln = s);
 	}
-	Mi(di, hi, Kn);
-	let qn = {};
-	qn.mousedown = Hn, qn.mousemove = Fn, qn.mouseup = Un, qn.dblclick = Gn, qn.setSeries = (e, t, n, i) => {
-		let a = Zn.match[2];
-		n = a(r, t, n), n != -1 && pn(n, i, !0, !1);
-	}, oe && (be(ri, m, Hn), be(ni, m, Fn), be(ai, m, (e) => {
-		We(e), Pn(!1);
-	}), be(oi, m, Wn), be(si, m, Gn), dc.add(r), r.syncRect = Pn);
-	let Jn = r.hooks = e.hooks || {};
-	function Yn(e, t, n) {
-		Ut ? Wt.push([
+	function qn(e, t, n, i, a, o, s) {
+		N._lock || (We(e), mt(), zn(), e != null && er(ci, r, V, cn, I, L, null));
+	}
+	function Jn() {
+		y.forEach(Oc), Re(r.width, r.height, !0);
+	}
+	Ni(fi, gi, Jn);
+	let Yn = {};
+	Yn.mousedown = Wn, Yn.mousemove = Ln, Yn.mouseup = Gn, Yn.dblclick = qn, Yn.setSeries = (e, t, n, i) => {
+		let a = q.match[2];
+		n = a(r, t, n), n != -1 && hn(n, i, !0, !1);
+	}, oe && (be(ii, m, Wn), be(ri, m, Ln), be(oi, m, (e) => {
+		We(e), In(!1);
+	}), be(si, m, Kn), be(ci, m, qn), fc.add(r), r.syncRect = In);
+	let Xn = r.hooks = e.hooks || {};
+	function K(e, t, n) {
+		Wt ? Gt.push([
 			e,
 			t,
 			n
-		]) : e in Jn && Jn[e].forEach((e) => {
+		]) : e in Xn && Xn[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Jn[t] = (Jn[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Xn[t] = (Xn[t] || []).concat(e.hooks[t]);
 	});
-	let Xn = (e, t, n) => n, Zn = Ha({
+	let Zn = (e, t, n) => n, q = Ua({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: ba,
-			sub: ba
+			pub: xa,
+			sub: xa
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			xa,
-			xa,
-			Xn
+			Sa,
+			Sa,
+			Zn
 		],
 		values: [null, null]
 	}, N.sync);
-	Zn.match.length == 2 && Zn.match.push(Xn), N.sync = Zn;
-	let Qn = Zn.key, $n = Ms(Qn);
+	q.match.length == 2 && q.match.push(Zn), N.sync = q;
+	let Qn = q.key, $n = Ns(Qn);
 	function er(e, t, n, r, i, a, o) {
-		Zn.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
+		q.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
 	}
 	$n.sub(r);
 	function tr(e, t, n, r, i, a, o) {
-		Zn.filters.sub(e, t, n, r, i, a, o) && qn[e](null, t, n, r, i, a, o);
+		q.filters.sub(e, t, n, r, i, a, o) && Yn[e](null, t, n, r, i, a, o);
 	}
 	r.pub = tr;
 	function nr() {
-		$n.unsub(r), dc.delete(r), ye.clear(), Ni(di, hi, Kn), l.remove(), F?.remove(), Yn("destroy");
+		$n.unsub(r), fc.delete(r), ye.clear(), Pi(fi, gi, Jn), l.remove(), F?.remove(), K("destroy");
 	}
 	r.destroy = nr;
 	function rr() {
-		Yn("init", e, t), ft(t || e.data, !1), j[S] ? Yt(S, j[S]) : pt(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
+		K("init", e, t), pt(t || e.data, !1), j[S] ? Xt(S, j[S]) : mt(), Ie = W.show && (W.width > 0 || W.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
 	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
 }
-Oc.assign = Ha, Oc.fmtNum = Zi, Oc.rangeNum = qi, Oc.rangeLog = Vi, Oc.rangeAsinh = Hi, Oc.orient = Fs, Oc.pxRatio = J, Oc.join = qa, Oc.fmtDate = oo, Oc.tzDate = co, Oc.sync = Ms;
+kc.assign = Ua, kc.fmtNum = Qi, kc.rangeNum = Ji, kc.rangeLog = Hi, kc.rangeAsinh = Ui, kc.orient = Is, kc.pxRatio = J, kc.join = Ja, kc.fmtDate = so, kc.tzDate = lo, kc.sync = Ns;
 {
-	Oc.addGap = Bs, Oc.clipGaps = zs;
-	let e = Oc.paths = { points: ec };
-	e.linear = ic, e.stepped = ac, e.bars = sc, e.spline = lc;
+	kc.addGap = Vs, kc.clipGaps = Bs;
+	let e = kc.paths = { points: tc };
+	e.linear = ac, e.stepped = oc, e.bars = cc, e.spline = uc;
 }
 // src/phase.tsx
-var [kc, Ac] = [420, 300], $ = {
+var [Ac, jc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function jc({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (yt(() => {
+function Mc({ store: e, state: t }) {
+	let [n, r] = B(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (xt(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -6780,7 +6798,7 @@ function jc({ store: e, state: t }) {
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (kc - $.left - $.right), g = (e) => Ac - $.bottom - (e - d) / m * (Ac - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Ac - $.left - $.right), g = (e) => jc - $.bottom - (e - d) / m * (jc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6793,7 +6811,7 @@ function jc({ store: e, state: t }) {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
 		children: /* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${kc} ${Ac}`,
+			viewBox: `0 0 ${Ac} ${jc}`,
 			role: "img",
 			"aria-label": `${a} over ${i}, from ${Se(l)} to ${Se(u)} ${n.units[0]} and from ${Se(d)} to ${Se(f)} ${n.units[1]}`,
 			children: [
@@ -6801,20 +6819,20 @@ function jc({ store: e, state: t }) {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: kc - $.left - $.right,
-					height: Ac - $.top - $.bottom
+					width: Ac - $.left - $.right,
+					height: jc - $.top - $.bottom
 				}),
 				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: Ac - $.bottom
+					y2: jc - $.bottom
 				}),
 				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: $.left,
-					x2: kc - $.right,
+					x2: Ac - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
@@ -6834,25 +6852,25 @@ function jc({ store: e, state: t }) {
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left,
-					y: Ac - $.bottom + 14,
+					y: jc - $.bottom + 14,
 					children: R(l, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: kc - $.right,
-					y: Ac - $.bottom + 14,
+					x: Ac - $.right,
+					y: jc - $.bottom + 14,
 					"text-anchor": "end",
 					children: R(u, n.units[0])
 				}),
 				/* @__PURE__ */ z("text", {
-					x: (kc + $.left) / 2,
-					y: Ac - 6,
+					x: (Ac + $.left) / 2,
+					y: jc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
 				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
-					y: Ac - $.bottom,
+					y: jc - $.bottom,
 					"text-anchor": "end",
 					children: R(d, n.units[1])
 				}),
@@ -6863,7 +6881,7 @@ function jc({ store: e, state: t }) {
 					children: R(f, n.units[1])
 				}),
 				/* @__PURE__ */ z("text", {
-					transform: `translate(12,${(Ac - $.bottom) / 2}) rotate(-90)`,
+					transform: `translate(12,${(jc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6873,7 +6891,7 @@ function jc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Mc = [
+var Nc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6881,16 +6899,16 @@ var Mc = [
 	"--c5",
 	"--c6"
 ];
-function Nc({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = bt(null), l = t.run, [u, d] = t.span;
-	yt(() => {
+function Pc({ store: e, state: t }) {
+	let [n, r] = B(null), [i, a] = B(!1), [o, s] = B(800), c = St(null), l = t.run, [u, d] = t.span;
+	xt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (yt(() => {
+	if (xt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -6917,7 +6935,7 @@ function Nc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ z(Pc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Fc, {
 		state: t,
 		soFar: t.soFar
 	});
@@ -6948,7 +6966,7 @@ function Nc({ store: e, state: t }) {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ z(Fc, {
+					/* @__PURE__ */ z(Ic, {
 						store: e,
 						state: t,
 						run: l
@@ -7001,9 +7019,9 @@ function Nc({ store: e, state: t }) {
 				class: "doubt",
 				children: l.doubt.said
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ z(Ic, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(Lc, {
 				name: r,
-				ink: Mc[i % Mc.length],
+				ink: Nc[i % Nc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -7017,11 +7035,11 @@ function Nc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ z(jc, {
+			t.phase && /* @__PURE__ */ z(Mc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ z(Bc, {
+			/* @__PURE__ */ z(Vc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7030,14 +7048,14 @@ function Nc({ store: e, state: t }) {
 		]
 	});
 }
-function Pc({ state: e, soFar: t }) {
-	let n = bt(null), r = [t.tBegin, t.tEnd];
+function Fc({ state: e, soFar: t }) {
+	let n = St(null), r = [t.tBegin, t.tEnd];
 	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Ic, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Lc, {
 			name: i.name,
-			ink: Mc[a % Mc.length],
+			ink: Nc[a % Nc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7047,7 +7065,7 @@ function Pc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ z(Bc, {
+		}, i.name)), /* @__PURE__ */ z(Vc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7055,7 +7073,7 @@ function Pc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Fc({ store: e, state: t, run: n }) {
+function Ic({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
 	return /* @__PURE__ */ z("span", {
 		class: "chooser",
@@ -7083,7 +7101,7 @@ function Fc({ store: e, state: t, run: n }) {
 		]
 	});
 }
-var Ic = class extends S {
+var Lc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7102,12 +7120,12 @@ var Ic = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Mc[(t + 3) % Mc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Oc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new Oc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Nc[(t + 3) % Nc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : kc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new kc({
 			width: Math.max(n - 4, 200),
-			height: r ? 132 : 112,
+			height: r ? 138 : 118,
 			padding: [
-				8,
+				14,
 				24,
 				0,
 				0
@@ -7125,7 +7143,7 @@ var Ic = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Lc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Rc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7136,7 +7154,7 @@ var Ic = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Rc(t, "s")
+				values: (e, t) => zc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7149,7 +7167,7 @@ var Ic = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Rc(t, p)
+				values: (e, t) => zc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7225,13 +7243,13 @@ var Ic = class extends S {
 		});
 	}
 };
-function Lc(e, t, n) {
+function Rc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Rc(e, t) {
+function zc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7252,7 +7270,7 @@ function Rc(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${I(t)}`);
 }
-var zc = [
+var Bc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7262,7 +7280,7 @@ var zc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Bc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Vc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
 	return /* @__PURE__ */ z("div", {
@@ -7293,14 +7311,14 @@ function Bc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: zc[o % zc.length],
+						fill: Bc[o % Bc.length],
 						children: /* @__PURE__ */ z("title", { children: e.states[o] })
 					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: zc[t % zc.length],
+						fill: Bc[t % Bc.length],
 						opacity: n
 					}) : null))]
 				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
@@ -7326,20 +7344,20 @@ function Bc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Vc = {
+var Hc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Hc = 150, [Uc, Wc, Gc, Kc] = [
+}, Uc = 150, [Wc, Gc, Kc, qc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function qc(e) {
+function Jc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7359,26 +7377,26 @@ function qc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Jc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Wc + Gc) + 120, o = (a - i * Gc - 8) / r, s = (e, t) => {
+function Yc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Gc + Kc) + 120, o = (a - i * Kc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Gc, r += i;
-			let [c, l] = t ? [Kc, Uc / 2 - Kc / 2] : [Uc - Kc, Uc / 2 + Kc / 2], u = (c + l) / 2;
+			n += Math.max(i, 1) + Kc, r += i;
+			let [c, l] = t ? [qc, Wc / 2 - qc / 2] : [Wc - qc, Wc / 2 + qc / 2], u = (c + l) / 2;
 			return /* @__PURE__ */ z("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
 					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
 					/* @__PURE__ */ z("rect", {
-						x: t ? 0 : Uc - Kc,
+						x: t ? 0 : Wc - qc,
 						y: a,
-						width: Kc,
+						width: qc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ z("text", {
-						x: t ? Kc + 4 : Uc - Kc - 4,
+						x: t ? qc + 4 : Wc - qc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7389,7 +7407,7 @@ function Jc({ gives: e, takes: t }) {
 	};
 	return /* @__PURE__ */ z("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Uc} ${a}`,
+		viewBox: `0 0 ${Wc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
@@ -7397,16 +7415,16 @@ function Jc({ gives: e, takes: t }) {
 			s(t, !1),
 			/* @__PURE__ */ z("rect", {
 				class: "middle-bar",
-				x: Uc / 2 - Kc / 2,
+				x: Wc / 2 - qc / 2,
 				y: 4,
-				width: Kc,
+				width: qc,
 				height: r * o
 			})
 		]
 	});
 }
-function Yc({ store: e, state: t }) {
-	let [n, r] = V(!1);
+function Xc({ store: e, state: t }) {
+	let [n, r] = B(!1);
 	return t.cursor ? /* @__PURE__ */ z("section", {
 		class: "power-panel",
 		children: [/* @__PURE__ */ z("div", {
@@ -7422,7 +7440,7 @@ function Yc({ store: e, state: t }) {
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), z(n ? Xc : Zc, {
+		}), z(n ? Zc : Qc, {
 			store: e,
 			state: t
 		})]
@@ -7431,15 +7449,15 @@ function Yc({ store: e, state: t }) {
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function Xc({ store: e, state: t }) {
-	let [n, r] = V(null), i = t.cursor.t, a = t.run?.run;
-	if (yt(() => {
+function Zc({ store: e, state: t }) {
+	let [n, r] = B(null), i = t.cursor.t, a = t.run?.run;
+	if (xt(() => {
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("energies", {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Hc);
+		}, Uc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -7462,7 +7480,7 @@ function Xc({ store: e, state: t }) {
 			" to ",
 			R(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Jc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Yc, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
 		}) : /* @__PURE__ */ z("p", {
@@ -7501,8 +7519,8 @@ function Xc({ store: e, state: t }) {
 		})
 	] });
 }
-function Zc({ store: e, state: t }) {
-	let { found: n, unknown: r } = qc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function Qc({ store: e, state: t }) {
+	let { found: n, unknown: r } = Jc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7512,7 +7530,7 @@ function Zc({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ z(x, { children: [
 		/* @__PURE__ */ z("h2", { children: ["Power at t = ", R(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ z(Jc, {
+		a.length > 0 ? /* @__PURE__ */ z(Yc, {
 			gives: o.map(u),
 			takes: s.map(u)
 		}) : /* @__PURE__ */ z("p", {
@@ -7540,7 +7558,7 @@ function Zc({ store: e, state: t }) {
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ z("td", { children: (Vc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", { children: (Hc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
 				/* @__PURE__ */ z("td", {
 					class: "figure",
 					children: R(Math.abs(e.power), "W")
@@ -7563,7 +7581,7 @@ function Zc({ store: e, state: t }) {
 	] });
 }
 // src/splitter.tsx
-function Qc(e) {
+function $c(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ z("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7594,12 +7612,12 @@ function Qc(e) {
 	});
 }
 // src/transport.ts
-var $c = class extends Error {
+var el = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, el = class {
+}, tl = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7635,19 +7653,19 @@ var $c = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new $c(e.error)) : t.done(e);
+			e.error ? t.failed(new el(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function tl({ store: e, state: t }) {
-	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	yt(() => {
+function nl({ store: e, state: t }) {
+	let [n, r] = B(null), [i, a] = B(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	xt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof $c ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof el ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7712,7 +7730,7 @@ function tl({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var nl = [
+var rl = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7722,7 +7740,7 @@ var nl = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], rl = class extends S {
+], il = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7780,7 +7798,7 @@ var nl = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ z(al, {
+				/* @__PURE__ */ z(ol, {
 					store: e,
 					state: t,
 					errors: i
@@ -7788,21 +7806,21 @@ var nl = [
 				/* @__PURE__ */ z("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ z(Sn, {
+						/* @__PURE__ */ z(Tn, {
 							store: e,
 							state: t
 						}),
 						/* @__PURE__ */ z("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ z(tt, {
+							children: [/* @__PURE__ */ z(nt, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ z(tl, {
+							}), t.schematic && /* @__PURE__ */ z(nl, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ z(Qc, {
+						/* @__PURE__ */ z($c, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7821,7 +7839,7 @@ var nl = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: nl.map(([r, a]) => /* @__PURE__ */ z("button", {
+								children: rl.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -7839,39 +7857,39 @@ var nl = [
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ z(Ht, {
+									t.tab === "item" && /* @__PURE__ */ z(Wt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ z(an, {
+									t.tab === "machines" && /* @__PURE__ */ z(sn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ z(mn, {
+									t.tab === "model" && /* @__PURE__ */ z(_n, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ z(vn, {
+									t.tab === "problems" && /* @__PURE__ */ z(xn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ z(yn, {
+									t.tab === "table" && /* @__PURE__ */ z(Sn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ z(bn, {
+									t.tab === "text" && /* @__PURE__ */ z(Cn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ z(It, {
+									t.tab === "equations" && /* @__PURE__ */ z(Rt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ z(Yc, {
+									t.tab === "power" && /* @__PURE__ */ z(Xc, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ z(Un, {
+									t.tab === "plan" && /* @__PURE__ */ z(Kn, {
 										store: e,
 										state: t
 									})
@@ -7882,7 +7900,7 @@ var nl = [
 				}),
 				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ z(Qc, {
+					children: [/* @__PURE__ */ z($c, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7893,17 +7911,17 @@ var nl = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ z(gr, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(_r, {
 						store: e,
 						state: t,
 						plan: t.plan
-					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(un, {
+					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(pn, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ z(Nc, {
+					}) : /* @__PURE__ */ z(Pc, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ z(jt, {
+					}), /* @__PURE__ */ z(Nt, {
 						store: e,
 						state: t
 					})] })]
@@ -7915,7 +7933,7 @@ var nl = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ z(il, {
+					/* @__PURE__ */ z(al, {
 						store: e,
 						state: t
 					}),
@@ -7934,7 +7952,7 @@ var nl = [
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ z(On, {
+				t.adding && n.view.editable && /* @__PURE__ */ z(jn, {
 					store: e,
 					state: t
 				}),
@@ -7963,16 +7981,12 @@ var nl = [
 		});
 	}
 };
-function il({ store: e, state: t }) {
+function al({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ z("b", { children: [
-				"t = ",
-				+t.cursor.t.toPrecision(6),
-				" s"
-			] }),
+			t.cursor && /* @__PURE__ */ z("b", { children: ["t = ", R(t.cursor.t, "s", 6)] }),
 			n.slice(0, 8).map((t) => /* @__PURE__ */ z("label", { children: [t.path, /* @__PURE__ */ z("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
@@ -7983,10 +7997,10 @@ function il({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function al({ store: e, state: t, errors: n }) {
+function ol({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ z("header", { children: [
-		/* @__PURE__ */ z(ol, {
+		/* @__PURE__ */ z(sl, {
 			store: e,
 			state: t
 		}),
@@ -8066,7 +8080,7 @@ function al({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function ol({ store: e, state: t }) {
+function sl({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8169,17 +8183,17 @@ function ol({ store: e, state: t }) {
 	});
 }
 // src/sharing.ts
-function sl(e, t) {
+function cl(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = sl(n[e], r[e]);
+		let t = cl(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var cl = {
+var ll = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8216,21 +8230,21 @@ var cl = {
 		side: 340,
 		low: 0
 	}
-}, ll = [
+}, ul = [
 	"C",
 	"I",
 	"R",
 	"G",
 	"Se",
 	"Sf"
-], ul = .9;
-function dl(e) {
+], dl = .9;
+function fl(e) {
 	let t = e.ports ?? [];
 	return t.length ? Ae(e, t.map((e, t) => "we"[t % 2]).join("")).half / Ee[0] : .3;
 }
-var fl = class {
+var pl = 32, ml = class {
 	transport;
-	state = cl;
+	state = ll;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8273,7 +8287,7 @@ var fl = class {
 		}
 	}
 	refused(e) {
-		e instanceof $c ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof el ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8281,7 +8295,7 @@ var fl = class {
 		} });
 	}
 	take(e) {
-		let t = sl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = cl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8331,10 +8345,10 @@ var fl = class {
 		} });
 	}
 	show(e) {
-		let t = this.state.plotted.filter((t) => e.names?.includes(t));
+		let t = new Set((this.state.look?.view.nodes ?? []).map((e) => e.name)), n = this.state.plotted.some((n) => e.names?.includes(n) || t.has(n.replace(/\.[ef]$/, "")));
 		this.set({
 			run: e,
-			plotted: t.length ? this.state.plotted : (e.plot ?? []).slice(0, 4),
+			plotted: n ? this.state.plotted : (e.plot ?? []).slice(0, pl),
 			span: [e.tBegin ?? 0, e.tEnd ?? 1],
 			cursor: null,
 			instant: null,
@@ -8382,11 +8396,11 @@ var fl = class {
 	freePlace(e) {
 		let t = this.state.look?.view.nodes ?? [];
 		if (!t.length) return [0, 0];
-		let n = ll.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !ll.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < dl(t) + (s ? ul : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
+		let n = ul.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !ul.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < fl(t) + (s ? dl : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
 			...d,
 			[0, -1],
 			[0, 1]
-		] : [], p = s || dl(o) > .3 ? [
+		] : [], p = s || fl(o) > .3 ? [
 			[1, 0],
 			[2, 0],
 			[3, 0],
@@ -8560,7 +8574,7 @@ var fl = class {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = sl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = cl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8577,11 +8591,11 @@ var fl = class {
 	}
 };
 // src/widget.tsx
-function pl({ model: e, el: t }) {
-	let n = new el(), r = new fl(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ z(rl, { store: r }), t), r.begin(), () => {
+function hl({ model: e, el: t }) {
+	let n = new tl(), r = new ml(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ z(il, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), F(null, t);
 	};
 }
-var ml = { render: pl };
-export { ml as default, pl as render };
+var gl = { render: hl };
+export { gl as default, hl as render };
