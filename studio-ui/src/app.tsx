@@ -2,6 +2,7 @@
 import { Component } from "preact";
 import { Canvas } from "./canvas";
 import { Events } from "./events";
+import { Find } from "./find";
 import { Equations } from "./formulas";
 import { Item } from "./item";
 import { Machines } from "./machines";
@@ -161,6 +162,7 @@ export class App extends Component<{ store: Store; whole?: boolean }, State> {
           <button class="verdict" aria-pressed={state.bottom} onClick={() => store.set({ bottom: !state.bottom })}>plots</button>
         </footer>
         {state.adding && look.view.editable && <QuickAdd store={store} state={state} />}
+        {state.finding && <Find store={store} state={state} />}
         {state.notice && (
           <div class="notice" role="alert">
             <b>{state.notice.code}</b> {state.notice.where && <i>{state.notice.where}: </i>}

@@ -37,6 +37,8 @@ export interface State {
   plotted: string[];
   span: [number, number];
   adding: boolean;
+  /** Whether a name is looked for. */
+  finding: boolean;
   /** How often the graph was laid out anew. */
   arranged: number;
   bottom: boolean;
@@ -77,6 +79,7 @@ const BEGIN: State = {
   plotted: [],
   span: [0, 1],
   adding: false,
+  finding: false,
   arranged: 0,
   bottom: false,
   panel: "",

@@ -104,7 +104,7 @@ def check(given: Namespace) -> int:
     for hint in hints:
         say(str(hint))
     for conflict in conflicts:
-        complain(str(conflict_error(graph, start, conflict)))
+        complain(str(placed(conflict_error(graph, start, conflict), given)))
     if not conflicts:
         counts = [(warnings, "warning"), (len(hints), "hint")]
         words = [f"{n} {word}{'s' * (n > 1)}" for n, word in counts if n]
@@ -136,6 +136,7 @@ def _as_data(given: Namespace, model: Model) -> int:
         warnings = list(graph.warnings)
         conflicts = () if _has_laws(graph) else _conflicts(graph)
         found = next(iter(conflicts), None)
+        found = found and placed(found, given)
     except HybondError as error:
         found = placed(error, given)
     said = Checked(model.title or model.name, found, hints).to_data()
@@ -172,9 +173,12 @@ def _counts(graph: FlatGraph) -> None:
     junctions = sum(n.is_junction for n in shown)
     kinds = Counter(n.kind for n in shown if not n.is_junction)
     by_kind = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-    say(f"  {len(shown) - junctions} elements ({by_kind or 'none'})")
+    elements = len(shown) - junctions
+    say(f"  {elements} {plural('element', elements)} ({by_kind or 'none'})")
     controlled = sum(n.is_junction and n.controlled for n in shown)
-    say(f"  {junctions} junctions, {controlled} of them controlled; {bonds} bonds")
+    of_them = f"{controlled} of them controlled" if junctions != 1 else "controlled"
+    told = f", {of_them}" if junctions != 1 or controlled else ""
+    say(f"  {junctions} {plural('junction', junctions)}{told}; {bonds} {plural('bond', bonds)}")
     kept = kept_paths(graph)
     integrated = sum(i.path not in kept for i in graph.integrals)
     integrals = f" and {integrated} integral{'s' * (integrated > 1)}" if integrated else ""

@@ -137,7 +137,12 @@ def _events(run: Result) -> None:
 def stats_line(run: Result) -> str:
     """Return how much work a run was, in one line."""
     count = {k: int(v) for k, v in run.stats.items() if float(v).is_integer()}
-    words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations") if k in count]
+    kinds = {"steps": "step", "rejected": "", "evaluations": "evaluation"}
+    words = [
+        f"{count[k]} {plural(one, count[k]) if one else k}"
+        for k, one in kinds.items()
+        if k in count
+    ]
     if "modes" in count:
         # those that were only tried at an instant count as well
         words.append(f"equations of {count['modes']} {plural('mode', count['modes'])}")

@@ -130,14 +130,14 @@ function ne(t) {
 	};
 }
 function re(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, F = n.type;
+	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
 	if (n.constructor !== u) return null;
 	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof F == "function") {
+	n: if (typeof I == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = F.prototype) && p.render, k = (p = F.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new F(E, A) : (n.__c = y = new S(E, A), y.constructor = F, y.render = se), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), F.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, F.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !F.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
@@ -146,7 +146,7 @@ function re(t, n, r, i, a, o, s, c, l, d) {
 				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !F.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
 			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
 			do
 				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
@@ -244,10 +244,10 @@ function oe(t, n, r) {
 	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
 	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function se(e, t, n) {
+function F(e, t, n) {
 	return this.constructor(e, n);
 }
-function F(t, n) {
+function I(t, n) {
 	var r, i, a, o;
 	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
 }
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var ce = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], le = 5.5, ue = 35 * Math.PI / 180;
-function de(e, t) {
+var se = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], ce = 5.5, le = 35 * Math.PI / 180;
+function ue(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function de(e, t) {
 		y1: e.y1 + t
 	};
 }
-function fe(e, [t, n]) {
+function de(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function fe(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function pe(e, t) {
+function fe(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function me(e, t, n, r, i = 0) {
+function pe(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = pe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = fe(de(e, le), [u, d]), p = fe(de(t, le), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ue), S = b * Math.sin(ue);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function he(e, t) {
+function me(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = pe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var ge = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), _e = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function ve(e, t, n = !1) {
+var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function _e(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) ge.has(t) ? r += .42 : _e.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var ye = .73;
-function be(e, t, [n, r]) {
-	let i = Math.max(ve(e, 19, !0) / 2, 6);
+var ve = .73;
+function ye(e, t, [n, r]) {
+	let i = Math.max(_e(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - ye * 19 / 2 - 1,
+		y0: r - ve * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + ye * 19 / 2 + (t ? 3 : 1)
+		y1: r + ve * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? de(a, 2) : a;
+	return t ? ue(a, 2) : a;
 }
-function xe(e, t) {
+function be(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,13 +354,13 @@ function xe(e, t) {
 	return n;
 }
 // src/quantities.ts
-function Se(e, t = 4) {
+function xe(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Ce = [
+var Se = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -370,22 +370,22 @@ var Ce = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function I(e) {
+function L(e) {
 	return e.replaceAll("*", "·");
 }
-function L(e) {
+function R(e) {
 	return e.endsWith("/s") ? e.slice(0, -2) : e && `${e}*s`;
 }
-function R(e, t, n = 4) {
+function z(e, t, n = 4) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Se(e, n)} ${I(t)}`.trim();
-	let [r, i] = Ce.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ce[Ce.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${xe(e, n)} ${L(t)}`.trim();
+	let [r, i] = Se.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Se[Se.length - 1];
 	return `${+(e / r).toPrecision(n)} ${i}${t}`.trim();
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var we = Symbol.for("pv"), Te = 0;
+var Ce = Symbol.for("pv"), we = 0;
 Array.isArray;
-function z(t, n, r, i, a, o) {
+function B(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -399,27 +399,27 @@ function z(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: we,
-		__v: --Te,
+		constructor: Ce,
+		__v: --we,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var Ee = [100, 84];
-function De(e, t) {
-	return [e * Ee[0], t * Ee[1]];
+var Te = [100, 84];
+function Ee(e, t) {
+	return [e * Te[0], t * Te[1]];
 }
-var Oe = 18;
-function ke(e, t) {
+var De = 18;
+function Oe(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function Ae(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ve(e, 9))), a = (e) => r(e).reduce((e, t) => e + ve(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ve(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Oe / 2 : 0, l = o ? c - 15 : 4;
+function ke(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * De / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -428,8 +428,8 @@ function Ae(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function je(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = Ae(e, t), o = /* @__PURE__ */ new Map(), s = {
+function Ae(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = ke(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -437,16 +437,16 @@ function je(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Oe]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * De]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function Me(e, t, n, r = "") {
+function je(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = Ae(e, r);
+		let { half: t, top: i, bottom: a } = ke(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -454,11 +454,11 @@ function Me(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return be(e.letters, t, n);
+	return ye(e.letters, t, n);
 }
-function Ne(e, t, n, r, i = "") {
+function Me(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(ce(t).length + 1), a = je(e, i).get(n);
+		let n = t.slice(se(t).length + 1), a = Ae(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -469,15 +469,15 @@ function Ne(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, Me(e, n, r, i)];
+	return [r, je(e, n, r, i)];
 }
-var Pe = ([[e, t], [n, r]]) => ({
+var Ne = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Fe(e, t) {
+function Pe(e, t) {
 	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
 	if (Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1])) return {
 		x: n,
@@ -491,76 +491,76 @@ function Fe(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function Ie(e, t) {
+function Fe(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Le = class extends S {
+var Ie = class extends S {
 	shouldComponentUpdate(e) {
-		return Ie(e, this.props);
+		return Fe(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Ne(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ne(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = me(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ z("g", {
+		let [t, n] = Me(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Me(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
+		return /* @__PURE__ */ B("g", {
 			class: "bond" + (e.selected ? " selected" : "") + s,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ B("line", {
 					class: "reach",
-					...Pe([a.tail, a.head])
+					...Ne([a.tail, a.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ z("line", {
+				e.flow !== 0 && /* @__PURE__ */ B("line", {
 					class: "power",
-					...Pe(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Ne(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ B("line", {
 					class: "line",
-					...Pe([a.tail, a.head])
+					...Ne([a.tail, a.head])
 				}),
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ B("line", {
 					class: "line barb",
-					...Pe(a.barb)
+					...Ne(a.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ z("line", {
+				o?.strokes.map((e) => /* @__PURE__ */ B("line", {
 					class: "stroke" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Pe(he(a, e))
+					...Ne(me(a, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ z("line", {
+				o?.dashed?.map((e) => /* @__PURE__ */ B("line", {
 					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Pe(he(a, e))
+					...Ne(me(a, e))
 				})),
-				o?.conflict && /* @__PURE__ */ z("path", {
+				o?.conflict && /* @__PURE__ */ B("path", {
 					class: "cross",
 					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
 				})
 			]
 		});
 	}
-}, Re = class extends S {
+}, Le = class extends S {
 	shouldComponentUpdate(e) {
-		return Ie(e, this.props);
+		return Fe(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Ne(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ne(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = me(n, i, t, r, e.shift * 9);
-		return /* @__PURE__ */ z("g", {
+		let [t, n] = Me(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Me(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9);
+		return /* @__PURE__ */ B("g", {
 			"data-values": e.bond.key,
-			children: [/* @__PURE__ */ z("text", {
+			children: [/* @__PURE__ */ B("text", {
 				class: "value",
-				...Fe(a, 1),
+				...Pe(a, 1),
 				children: e.effort
-			}), /* @__PURE__ */ z("text", {
+			}), /* @__PURE__ */ B("text", {
 				class: "value",
-				...Fe(a, -1),
+				...Pe(a, -1),
 				children: e.rate
 			})]
 		});
 	}
 };
-function ze(e, t, n) {
+function Re(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -575,7 +575,7 @@ function ze(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function Be(e, t, n) {
+function ze(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -607,12 +607,12 @@ function Be(e, t, n) {
 		anchor: "start"
 	};
 }
-var Ve = class extends S {
+var Be = class extends S {
 	shouldComponentUpdate(e) {
-		return Ie(e, this.props);
+		return Fe(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Me(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = je(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -633,14 +633,14 @@ var Ve = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = Be(e, i, s.length), l = ye * 19 / 2, u = Ae(t, e.ports);
-		return /* @__PURE__ */ z("g", {
+		], c = ze(e, i, s.length), l = ve * 19 / 2, u = ke(t, e.ports);
+		return /* @__PURE__ */ B("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ z(x, { children: [
-					/* @__PURE__ */ z("rect", {
+				t.kind === "part" ? /* @__PURE__ */ B(x, { children: [
+					/* @__PURE__ */ B("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -648,42 +648,42 @@ var Ve = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ B("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...je(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
+					[...Ae(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ B("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ z("circle", {
+							/* @__PURE__ */ B("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ z("circle", {
+							/* @__PURE__ */ B("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ z("text", {
-								...ze(e.ports[a], r, i),
+							/* @__PURE__ */ B("text", {
+								...Re(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ z(x, { children: [
-					/* @__PURE__ */ z("rect", {
+				] }) : /* @__PURE__ */ B(x, { children: [
+					/* @__PURE__ */ B("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ z("rect", {
+					r && /* @__PURE__ */ B("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -691,59 +691,59 @@ var Ve = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ B("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ z("text", {
+					r && /* @__PURE__ */ B("text", {
 						class: "subscript",
-						x: ve(t.letters, 19, !0) / 2 - 3.5,
+						x: _e(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ z("text", {
+				s.map((e, t) => /* @__PURE__ */ B("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ z("g", {
+				e.selected && /* @__PURE__ */ B("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ z("circle", {
+						/* @__PURE__ */ B("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ z("circle", {
+						/* @__PURE__ */ B("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ z("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ B("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
 		});
 	}
-}, He = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
-function Ue({ state: e, sight: t, gesture: n, moved: r }) {
+}, Ve = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
+function He({ state: e, sight: t, gesture: n, moved: r }) {
 	let i = e.look, a = e.cursor?.strokes ?? i.strokes, o = n?.kind === "drag" ? new Set(n.names) : null, s = /* @__PURE__ */ new Map(), c = /* @__PURE__ */ new Map();
 	for (let e of i.view.nodes) {
-		let [t, n] = De(e.x, e.y);
+		let [t, n] = Ee(e.x, e.y);
 		s.set(e.name, o?.has(e.name) ? [t + r[0], n + r[1]] : [t, n]), c.set(e.name, e);
 	}
 	let l = (e) => a.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), u = /* @__PURE__ */ new Map(), d = /* @__PURE__ */ new Map();
 	for (let e of i.view.bonds) {
 		u.has(e.tail) || u.set(e.tail, []), u.has(e.head) || u.set(e.head, []), u.get(e.tail).push(s.get(e.head)), u.get(e.head).push(s.get(e.tail));
-		let t = He(e.ends);
+		let t = Ve(e.ends);
 		d.set(t, [...d.get(t) ?? [], e.key]);
 	}
 	let f = /* @__PURE__ */ new Map();
@@ -760,9 +760,9 @@ function Ue({ state: e, sight: t, gesture: n, moved: r }) {
 		f.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 	}
 	let p = /* @__PURE__ */ new Map();
-	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, ke(e, f));
-	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? ce(n.target) : "", v = (t) => {
-		let [n, r] = [c.get(t.tail), c.get(t.head)], [i, o] = [s.get(t.tail), s.get(t.head)], u = d.get(He(t.ends)), f = h?.[t.key];
+	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, Oe(e, f));
+	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? se(n.target) : "", v = (t) => {
+		let [n, r] = [c.get(t.tail), c.get(t.head)], [i, o] = [s.get(t.tail), s.get(t.head)], u = d.get(Ve(t.ends)), f = h?.[t.key];
 		return {
 			bond: t,
 			tail: n,
@@ -781,20 +781,20 @@ function Ue({ state: e, sight: t, gesture: n, moved: r }) {
 			flow: e.flowing && f ? (f.e ?? 0) * (f.f ?? 0) / g : 0
 		};
 	};
-	return /* @__PURE__ */ z(x, { children: [
-		/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
+	return /* @__PURE__ */ B(x, { children: [
+		/* @__PURE__ */ B("defs", { children: [/* @__PURE__ */ B("pattern", {
 			id: "dots",
-			width: Ee[0] / 4,
-			height: Ee[1] / 4,
+			width: Te[0] / 4,
+			height: Te[1] / 4,
 			patternUnits: "userSpaceOnUse",
 			patternTransform: `translate(${t.x},${t.y}) scale(${t.k})`,
-			children: /* @__PURE__ */ z("circle", {
+			children: /* @__PURE__ */ B("circle", {
 				cx: 0,
 				cy: 0,
 				r: .7,
 				class: "dot"
 			})
-		}), /* @__PURE__ */ z("marker", {
+		}), /* @__PURE__ */ B("marker", {
 			id: "signal",
 			viewBox: "0 0 8 8",
 			refX: 7,
@@ -802,25 +802,25 @@ function Ue({ state: e, sight: t, gesture: n, moved: r }) {
 			markerWidth: 7,
 			markerHeight: 7,
 			orient: "auto",
-			children: /* @__PURE__ */ z("path", {
+			children: /* @__PURE__ */ B("path", {
 				d: "M0,1L8,4L0,7z",
 				class: "signalhead"
 			})
 		})] }),
-		t.k > .45 && /* @__PURE__ */ z("rect", {
+		t.k > .45 && /* @__PURE__ */ B("rect", {
 			class: "paper",
 			width: "100%",
 			height: "100%",
 			fill: "url(#dots)"
 		}),
-		/* @__PURE__ */ z("g", {
+		/* @__PURE__ */ B("g", {
 			transform: `translate(${t.x},${t.y}) scale(${t.k})`,
 			children: [
 				i.view.modulations.map((e) => {
 					let t = c.get(e.from), n = c.get(e.to);
 					if (!t || !n) return null;
-					let [r, i] = [s.get(e.from), s.get(e.to)], a = me(Me(t, l(t), r, m(t.name)), Me(n, l(n), i, m(n.name)), r, i, 7);
-					return /* @__PURE__ */ z("line", {
+					let [r, i] = [s.get(e.from), s.get(e.to)], a = pe(je(t, l(t), r, m(t.name)), je(n, l(n), i, m(n.name)), r, i, 7);
+					return /* @__PURE__ */ B("line", {
 						class: "signal",
 						x1: a.tail[0],
 						y1: a.tail[1],
@@ -829,8 +829,8 @@ function Ue({ state: e, sight: t, gesture: n, moved: r }) {
 						"marker-end": "url(#signal)"
 					});
 				}),
-				/* @__PURE__ */ z("g", { children: i.view.bonds.map((e) => /* @__PURE__ */ z(Le, { ...v(e) }, e.key)) }),
-				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Ve, {
+				/* @__PURE__ */ B("g", { children: i.view.bonds.map((e) => /* @__PURE__ */ B(Ie, { ...v(e) }, e.key)) }),
+				/* @__PURE__ */ B("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ B(Be, {
 					node: t,
 					x: s.get(t.name)[0],
 					y: s.get(t.name)[1],
@@ -838,21 +838,21 @@ function Ue({ state: e, sight: t, gesture: n, moved: r }) {
 					selected: e.nodes.has(t.name),
 					ports: m(t.name),
 					target: _ === t.name || e.bondFrom === t.name,
-					taken: [...xe(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
+					taken: [...be(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
 				}, t.name)) }),
-				h && t.k > .6 && /* @__PURE__ */ z("g", { children: i.view.bonds.map((e) => {
+				h && t.k > .6 && /* @__PURE__ */ B("g", { children: i.view.bonds.map((e) => {
 					let t = h[e.key];
-					return t && /* @__PURE__ */ z(Re, {
+					return t && /* @__PURE__ */ B(Le, {
 						...v(e),
-						effort: R(t.e, t.units[0]),
-						rate: R(t.f, t.units[1])
+						effort: z(t.e, t.units[0]),
+						rate: z(t.f, t.units[1])
 					}, e.key);
 				}) }),
-				n?.kind === "wire" && /* @__PURE__ */ z(Ge, {
-					from: We(n.from, c, s, p),
+				n?.kind === "wire" && /* @__PURE__ */ B(We, {
+					from: Ue(n.from, c, s, p),
 					to: n.now
 				}),
-				n?.kind === "box" && /* @__PURE__ */ z("rect", {
+				n?.kind === "box" && /* @__PURE__ */ B("rect", {
 					class: "marquee",
 					x: Math.min(n.start[0], n.now[0]),
 					y: Math.min(n.start[1], n.now[1]),
@@ -863,12 +863,12 @@ function Ue({ state: e, sight: t, gesture: n, moved: r }) {
 		})
 	] });
 }
-function We(e, t, n, r) {
-	let i = ce(e);
-	return Ne(t.get(i), e, !1, n.get(i), r.get(i))[0];
+function Ue(e, t, n, r) {
+	let i = se(e);
+	return Me(t.get(i), e, !1, n.get(i), r.get(i))[0];
 }
-function Ge({ from: e, to: t }) {
-	return /* @__PURE__ */ z("line", {
+function We({ from: e, to: t }) {
+	return /* @__PURE__ */ B("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -877,33 +877,33 @@ function Ge({ from: e, to: t }) {
 	});
 }
 // src/overlays.tsx
-function Ke({ store: e, state: t }) {
+function Ge({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			R(n.t, "s"),
+			z(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ z("b", { children: i.kind }),
+			/* @__PURE__ */ B("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ z("small", { children: [
+			/* @__PURE__ */ B("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -912,7 +912,7 @@ function Ke({ store: e, state: t }) {
 		]
 	});
 }
-function qe(e, t, [n, r]) {
+function Ke(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -922,38 +922,38 @@ function qe(e, t, [n, r]) {
 	}
 	return i;
 }
-function Je({ state: e, sight: t, size: n }) {
+function qe({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / Ee[0],
-		y: -t.y / t.k / Ee[1]
+		x: -t.x / t.k / Te[0],
+		y: -t.y / t.k / Te[1]
 	};
-	return /* @__PURE__ */ z("svg", {
+	return /* @__PURE__ */ B("svg", {
 		class: "minimap",
 		viewBox: `${o} ${s} ${c} ${l}`,
 		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ z("circle", {
+		children: [r.map((e) => /* @__PURE__ */ B("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: c / 90
-		})), /* @__PURE__ */ z("rect", {
+		})), /* @__PURE__ */ B("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / Ee[0],
-			height: n[1] / t.k / Ee[1]
+			width: n[0] / t.k / Te[0],
+			height: n[1] / t.k / Te[1]
 		})]
 	});
 }
 // src/keys.ts
-var Ye = {
+var Je = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
 };
-function Xe(e, t, n) {
-	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Ye[e.key];
+function Ye(e, t, n) {
+	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Je[e.key];
 	if (s && e.altKey && r.nodes.size) {
 		let a = e.shiftKey ? .25 : 1, o = {};
 		for (let e of i) r.nodes.has(e.name) && (o[e.name] = [e.x + a * s[0], e.y + a * s[1]]);
@@ -964,7 +964,7 @@ function Xe(e, t, n) {
 	} else if (s && !a) {
 		let e = o ?? i[0];
 		if (!e) return;
-		let n = o ? qe(i, o, s) : e;
+		let n = o ? Ke(i, o, s) : e;
 		n && t.set({
 			nodes: /* @__PURE__ */ new Set([n.name]),
 			bonds: /* @__PURE__ */ new Set(),
@@ -983,13 +983,15 @@ function Xe(e, t, n) {
 		bondFrom: null,
 		cursor: null,
 		instant: null,
-		adding: !1
+		adding: !1,
+		finding: !1
 	});
 	else if (e.key === "Enter" && r.bondFrom && o && o.name !== r.bondFrom) t.bond(r.bondFrom, o.name);
 	else if (e.key === "Enter" && o) n.enter(o.name);
 	else if (e.key === "b" && !a && o) t.set({ bondFrom: o.name });
 	else if (e.key === "r" && !a && r.bonds.size) t.reverse();
 	else if (e.key === "a" && !a) t.set({ adding: !0 });
+	else if (e.key === "/" && !a) t.set({ finding: !0 });
 	else if (e.key === "f" && !a) n.fit();
 	else if ((e.key === "+" || e.key === "=") && !a) n.zoom(1.25);
 	else if (e.key === "-" && !a) n.zoom(.8);
@@ -1001,30 +1003,30 @@ function Xe(e, t, n) {
 	e.preventDefault();
 }
 // src/sight.ts
-var [Ze, Qe] = [.05, 6];
-function $e(e, t, n) {
+var [Xe, Ze] = [.05, 6];
+function Qe(e, t, n) {
 	if (!e.length || !t) return {
 		x: t / 2,
 		y: n / 2,
 		k: 1
 	};
-	let r = e.map((e) => e.x * Ee[0]), i = e.map((e) => e.y * Ee[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
+	let r = e.map((e) => e.x * Te[0]), i = e.map((e) => e.y * Te[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
 	return {
 		k: l,
 		x: t / 2 - l * (a + o) / 2,
 		y: n / 2 - l * (s + c) / 2
 	};
 }
-function et({ x: e, y: t, k: n }, r, [i, a]) {
-	let o = Math.max(Ze, Math.min(Qe, n * r));
+function $e({ x: e, y: t, k: n }, r, [i, a]) {
+	let o = Math.max(Xe, Math.min(Ze, n * r));
 	return {
 		k: o,
 		x: i - (i - e) * o / n,
 		y: a - (a - t) * o / n
 	};
 }
-function tt(e, [t, n], [r, i]) {
-	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Ze, Math.min(Qe, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
+function et(e, [t, n], [r, i]) {
+	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Xe, Math.min(Ze, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
 	return {
 		k: s,
 		x: c - (u - e.x) * s / e.k,
@@ -1032,7 +1034,7 @@ function tt(e, [t, n], [r, i]) {
 	};
 }
 // src/canvas.tsx
-var nt = class extends S {
+var tt = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1089,12 +1091,12 @@ var nt = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = De(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = Ee(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = De(i[0].x, i[0].y);
+				let [e, t] = Ee(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1113,12 +1115,12 @@ var nt = class extends S {
 		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
 		if (!t) return;
 		let n = t.getBoundingClientRect();
-		this.setState({ sight: $e(e, n.width, n.height) });
+		this.setState({ sight: Qe(e, n.width, n.height) });
 	};
 	zoom(e, t) {
 		this.touched = !0;
 		let n = this.svg.current.getBoundingClientRect();
-		this.setState({ sight: et(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
+		this.setState({ sight: $e(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
 	}
 	wheel = (e) => {
 		e.preventDefault();
@@ -1143,7 +1145,7 @@ var nt = class extends S {
 	under(e, t = "") {
 		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
 			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && ce(e) !== t) return e;
+			if (e && se(e) !== t) return e;
 			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
 			if (r && r !== t) return r;
 		}
@@ -1238,7 +1240,7 @@ var nt = class extends S {
 			if (t.kind === "pinch") {
 				let [e, r] = t.ids.map((e) => this.pointers.get(e));
 				this.setState({
-					sight: tt(n, t.last, [e, r]),
+					sight: et(n, t.last, [e, r]),
 					gesture: {
 						...t,
 						last: [e, r]
@@ -1275,7 +1277,7 @@ var nt = class extends S {
 					now: this.inGraph(r)
 				} });
 				else if (t.kind === "wire") {
-					let n = this.under(e, ce(t.from));
+					let n = this.under(e, se(t.from));
 					this.setState({ gesture: {
 						...t,
 						now: this.inGraph(r),
@@ -1299,7 +1301,7 @@ var nt = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / Ee[0], r = e.y + n[1] / Ee[1];
+						let t = e.x + n[0] / Te[0], r = e.y + n[1] / Te[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1308,13 +1310,13 @@ var nt = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = De(t.x, t.y);
+						let [r, i] = Ee(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
-					let n = this.under(e, ce(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...rt(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					let n = this.under(e, se(t.from)) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...nt(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1345,22 +1347,22 @@ var nt = class extends S {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
-	key = (e) => Xe(e, this.props.store, this);
+	key = (e) => Ye(e, this.props.store, this);
 	dropped = (e) => {
 		let t = e.dataTransfer?.getData("application/x-hybond");
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / Ee[0] * 4) / 4, Math.round(a / Ee[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / Te[0] * 4) / 4, Math.round(a / Te[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		return a ? /* @__PURE__ */ z("div", {
+		return a ? /* @__PURE__ */ B("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ z("svg", {
+				/* @__PURE__ */ B("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1372,14 +1374,14 @@ var nt = class extends S {
 					onPointerCancel: this.up,
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
-					children: /* @__PURE__ */ z(Ue, {
+					children: /* @__PURE__ */ B(He, {
 						state: e,
 						sight: n,
 						gesture: r,
 						moved: i
 					})
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ z("div", {
+				r?.kind === "wire" && /* @__PURE__ */ B("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1390,11 +1392,11 @@ var nt = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ z(Ke, {
+				e.instant && /* @__PURE__ */ B(Ge, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ z("div", {
+				e.bondFrom && /* @__PURE__ */ B("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1406,22 +1408,22 @@ var nt = class extends S {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ z("div", {
+				/* @__PURE__ */ B("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ B("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ B("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ B("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1429,24 +1431,24 @@ var nt = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ z(Je, {
+				/* @__PURE__ */ B(qe, {
 					state: e,
 					sight: n,
 					size: this.size
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ z("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ B("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ z("button", {
+						/* @__PURE__ */ B("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ z(x, { children: [" › ", /* @__PURE__ */ z("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ B(x, { children: [" › ", /* @__PURE__ */ B("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ z("span", { children: [
+						!a.view.editable && /* @__PURE__ */ B("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1454,34 +1456,34 @@ var nt = class extends S {
 					]
 				})
 			]
-		}) : /* @__PURE__ */ z("div", { class: "canvas" });
+		}) : /* @__PURE__ */ B("div", { class: "canvas" });
 	}
-}, rt = (e, t) => [e[0] - t[0], e[1] - t[1]], it, at, ot, st, ct = Object.is, lt = 0, ut = [], dt = [], ft = e, pt = ft.__b, mt = ft.__r, ht = ft.diffed, gt = ft.__c, _t = ft.unmount, vt = ft.__;
-function yt(e, t) {
-	ft.__h && ft.__h(at, e, lt || t), lt = 0;
-	var n = at.__H || (at.__H = {
+}, nt = (e, t) => [e[0] - t[0], e[1] - t[1]], rt, it, at, ot, st = Object.is, ct = 0, lt = [], ut = [], V = e, dt = V.__b, ft = V.__r, pt = V.diffed, mt = V.__c, ht = V.unmount, gt = V.__;
+function _t(e, t) {
+	V.__h && V.__h(it, e, ct || t), ct = 0;
+	var n = it.__H || (it.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function B(e) {
-	return lt = 1, bt(jt, e);
+function H(e) {
+	return ct = 1, vt(kt, e);
 }
-function bt(e, t, n) {
-	var r = yt(it++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : jt(void 0, t), function(e) {
+function vt(e, t, n) {
+	var r = _t(rt++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : kt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		ct(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = at, !at.__f)) {
-		at.__f = !0;
-		var i = at.shouldComponentUpdate;
-		at.shouldComponentUpdate = function(e, t, n) {
+		st(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = it, !it.__f)) {
+		it.__f = !0;
+		var i = it.shouldComponentUpdate;
+		it.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, ct(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, st(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1491,67 +1493,67 @@ function bt(e, t, n) {
 	}
 	return r.__;
 }
-function xt(e, t) {
-	var n = yt(it++, 3);
-	!ft.__s && At(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, at.__H.__h.push(n));
+function yt(e, t) {
+	var n = _t(rt++, 3);
+	!V.__s && Ot(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, it.__H.__h.push(n));
 }
-function St(e) {
-	return lt = 5, Ct(function() {
+function bt(e) {
+	return ct = 5, xt(function() {
 		return { current: e };
 	}, []);
 }
-function Ct(e, t) {
-	var n = yt(it++, 7);
-	return At(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function xt(e, t) {
+	var n = _t(rt++, 7);
+	return Ot(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function wt() {
+function St() {
 	var e;
 	do {
-		for (; e = dt.shift();) try {
-			Ot(e);
+		for (; e = ut.shift();) try {
+			Et(e);
 		} catch (t) {
-			ft.__e(t, { __: (e = e.__P) && e.__v });
+			V.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = ut.shift();) {
+		for (; e = lt.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(Ot), t.__h.some(kt), t.__h = [];
+				t.__h.some(Et), t.__h.some(Dt), t.__h = [];
 			} catch (n) {
-				t.__h = [], ft.__e(n, e.__v);
+				t.__h = [], V.__e(n, e.__v);
 			}
 		}
-	} while (dt.length);
+	} while (ut.length);
 }
-ft.__b = function(e) {
-	at = null, pt && pt(e);
-}, ft.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), vt && vt(e, t);
-}, ft.__r = function(e) {
-	mt && mt(e), it = 0;
-	var t = (at = e.__c).__H;
-	t && (ot == at ? at.__h = [] : (t.__h.some(Ot), t.__h.some(kt), it = 0), t.__h = [], t.__.some(function(e) {
+V.__b = function(e) {
+	it = null, dt && dt(e);
+}, V.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), gt && gt(e, t);
+}, V.__r = function(e) {
+	ft && ft(e), rt = 0;
+	var t = (it = e.__c).__H;
+	t && (at == it ? it.__h = [] : (t.__h.some(Et), t.__h.some(Dt), rt = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), ot = at;
-}, ft.diffed = function(e) {
-	ht && ht(e);
+	})), at = it;
+}, V.diffed = function(e) {
+	pt && pt(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && Dt(ut.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && Tt(lt.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), ot = at = null;
-}, ft.__c = function(e, t) {
+	})), at = it = null;
+}, V.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(Ot), e.__h = e.__h.filter(function(e) {
-				return !e.__ || kt(e);
+			e.__h.some(Et), e.__h = e.__h.filter(function(e) {
+				return !e.__ || Dt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), gt && gt(e, t);
-}, ft.unmount = function(e) {
-	_t && _t(e);
+	}), mt && mt(e, t);
+}, V.unmount = function(e) {
+	ht && ht(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1560,50 +1562,50 @@ ft.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, Dt(dt.push(r));
-			} else Ot(r);
+				r.__P = n, Tt(ut.push(r));
+			} else Et(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && ft.__e(t, r.__v));
+	}), r.__H = void 0, t && V.__e(t, r.__v));
 };
-var Tt = typeof requestAnimationFrame == "function";
-function Et(e) {
+var Ct = typeof requestAnimationFrame == "function";
+function wt(e) {
 	var t, n = function() {
-		clearTimeout(r), Tt && cancelAnimationFrame(t), setTimeout(e);
+		clearTimeout(r), Ct && cancelAnimationFrame(t), setTimeout(e);
 	}, r = setTimeout(n, 35);
-	Tt && (t = requestAnimationFrame(n));
+	Ct && (t = requestAnimationFrame(n));
+}
+function Tt(e) {
+	e != 1 && ot == V.requestAnimationFrame || ((ot = V.requestAnimationFrame) || wt)(St);
+}
+function Et(e) {
+	var t = it, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), it = t;
 }
 function Dt(e) {
-	e != 1 && st == ft.requestAnimationFrame || ((st = ft.requestAnimationFrame) || Et)(wt);
+	var t = it;
+	e.__c = e.__(), it = t;
 }
-function Ot(e) {
-	var t = at, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), at = t;
-}
-function kt(e) {
-	var t = at;
-	e.__c = e.__(), at = t;
-}
-function At(e, t) {
+function Ot(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !ct(t, e[n]);
+		return !st(t, e[n]);
 	});
 }
-function jt(e, t) {
+function kt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var Mt = 100;
-function Nt({ store: e, state: t }) {
-	let [n, r] = B([]), [i, a] = B(0), [o, s] = B(0), c = t.run;
-	xt(() => s(0), [c?.run]), xt(() => {
+var At = 100;
+function jt({ store: e, state: t }) {
+	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
+	yt(() => s(0), [c?.run]), yt(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: Mt
+			count: At
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1611,60 +1613,60 @@ function Nt({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ B("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ z("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ B("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ z("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ B("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					R(c.took, "s"),
+					z(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ z("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ B("p", {
 				class: "warning",
 				children: e
 			})),
-			i > Mt && /* @__PURE__ */ z("p", { children: [
-				/* @__PURE__ */ z("button", {
+			i > At && /* @__PURE__ */ B("p", { children: [
+				/* @__PURE__ */ B("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - Mt)),
+					onClick: () => s(Math.max(0, o - At)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + Mt, i),
+				Math.min(o + At, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ z("button", {
-					disabled: o + Mt >= i,
-					onClick: () => s(o + Mt),
+				/* @__PURE__ */ B("button", {
+					disabled: o + At >= i,
+					onClick: () => s(o + At),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ z("ol", { children: n.map((n) => /* @__PURE__ */ z("li", {
+			/* @__PURE__ */ B("ol", { children: n.map((n) => /* @__PURE__ */ B("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ B("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ z("b", { children: R(n.t, "s") }),
+						/* @__PURE__ */ B("b", { children: z(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ z("i", { children: n.cause }),
+						/* @__PURE__ */ B("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", Pt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ B("em", { children: [" ", Mt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ z(Ft, {
+				}), n.event === l && /* @__PURE__ */ B(Nt, {
 					store: e,
 					state: t,
 					event: n
@@ -1673,18 +1675,18 @@ function Nt({ store: e, state: t }) {
 		]
 	});
 }
-function Pt(e) {
+function Mt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function Ft({ store: e, state: t, event: n }) {
+function Nt({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ z("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ B("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -1696,32 +1698,32 @@ function Ft({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ z("p", { children: [
+			/* @__PURE__ */ B("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ z("p", {
+			i.fired.map((e) => /* @__PURE__ */ B("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ z("b", { children: e.machine }),
+					/* @__PURE__ */ B("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ z("code", { children: e.why })
+					/* @__PURE__ */ B("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ z("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ B("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Se(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${xe(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ z("p", { children: [
+			i.energy && /* @__PURE__ */ B("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -1731,23 +1733,90 @@ function Ft({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ z("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ B("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
+// src/find.tsx
+var Pt = 10;
+function Ft(e, t) {
+	let n = e.look?.view;
+	if (!n || !t) return [];
+	let r = (e, n) => e === t ? 0 : e.startsWith(t) ? 1 : e.includes(t) ? 2 : n.includes(t) ? 4 : 9, i = n.nodes.map((e) => {
+		let t = e.kind === "part" ? String(e.entry.submodel ?? "") : [e.letters, e.says].filter(Boolean).join(" ");
+		return {
+			key: e.name,
+			said: e.name,
+			about: t,
+			bond: !1,
+			rank: r(e.name.toLowerCase(), t.toLowerCase())
+		};
+	}), a = n.bonds.map((e) => ({
+		key: e.key,
+		said: e.text,
+		about: "bond",
+		bond: !0,
+		rank: e.text.toLowerCase().includes(t) ? 3 : 9
+	}));
+	return [...i, ...a].filter((e) => e.rank < 9).sort((e, t) => e.rank - t.rank);
+}
+function It({ store: e, state: t }) {
+	let [n, r] = H(""), [i, a] = H(0), o = Ft(t, n.trim().toLowerCase()), s = () => {
+		document.querySelector(".canvas svg")?.focus(), e.set({ finding: !1 });
+	}, c = (t) => {
+		t && (e.set({
+			nodes: new Set(t.bond ? [] : [t.key]),
+			bonds: new Set(t.bond ? [t.key] : []),
+			tab: "item"
+		}), s());
+	};
+	return /* @__PURE__ */ B("div", {
+		class: "quick",
+		role: "dialog",
+		"aria-label": "Find",
+		children: [/* @__PURE__ */ B("input", {
+			ref: (e) => e?.focus(),
+			value: n,
+			"aria-label": "What to find",
+			placeholder: "a name, a kind, a value",
+			onInput: (e) => {
+				r(e.currentTarget.value), a(0);
+			},
+			onKeyDown: (e) => {
+				let t = {
+					ArrowDown: 1,
+					ArrowUp: -1
+				}[e.key];
+				t && (a(Math.max(0, Math.min(i + t, o.length - 1, 9))), e.preventDefault()), e.key === "Enter" && c(o[i]), e.key === "Escape" && s(), e.stopPropagation();
+			}
+		}), /* @__PURE__ */ B("ul", { children: [
+			o.slice(0, Pt).map((e, t) => /* @__PURE__ */ B("li", {
+				class: t === i ? "chosen" : "",
+				onClick: () => c(e),
+				children: [
+					/* @__PURE__ */ B("b", { children: e.said }),
+					" ",
+					e.about
+				]
+			})),
+			o.length > Pt && /* @__PURE__ */ B("li", { children: [o.length - Pt, " more"] }),
+			n.trim() && !o.length && /* @__PURE__ */ B("li", { children: "nothing of that name at this level" })
+		] })]
+	});
+}
 // src/formulas.tsx
-var It = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Lt(e) {
+var Lt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Rt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(It.has(t) ? t : "mrow", {
+	return v(Lt.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Lt));
+	}, ...r.map(Rt));
 }
-function Rt({ store: e, state: t }) {
-	let [n, r] = B("all"), [i, a] = B(!1), [o, s] = B(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return xt(() => {
+function zt({ store: e, state: t }) {
+	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return yt(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -1759,41 +1828,41 @@ function Rt({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ z("section", {
+	]), /* @__PURE__ */ B("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ z("button", {
+				].map(([e, t]) => /* @__PURE__ */ B("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+				})), o?.formula && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ z("p", {
+			!o && /* @__PURE__ */ B("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ z("div", {
+			o?.formula && !i ? /* @__PURE__ */ B("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Lt(o.formula)
-			}) : o && /* @__PURE__ */ z("pre", {
+				children: Rt(o.formula)
+			}) : o && /* @__PURE__ */ B("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ z("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ B("p", {
 				class: "hint",
 				children: e
 			}))
@@ -1801,12 +1870,12 @@ function Rt({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var zt = 0;
-function Bt(e) {
-	let [t, n] = B(e.value), [r] = B(() => `list${++zt}`), i = St(!1);
-	return xt(() => {
+var Bt = 0;
+function Vt(e) {
+	let [t, n] = H(e.value), [r] = H(() => `list${++Bt}`), i = bt(!1);
+	return yt(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("input", {
+	}, [e.value]), /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -1823,20 +1892,20 @@ function Bt(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ z("datalist", {
+	}), e.list && /* @__PURE__ */ B("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ B("option", { value: e }))
 	})] });
 }
-function Vt(e) {
+function Ht(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Ht = {
+var Ut = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Ut = {
+}, Wt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -1847,86 +1916,86 @@ var Ht = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Wt({ store: e, state: t }) {
+function Gt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ z(Yt, {
+	if (r.length === 1) return /* @__PURE__ */ B(Xt, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ z("section", { children: [
-			/* @__PURE__ */ z("h2", { children: "Bond" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(Bt, {
+		return /* @__PURE__ */ B("section", { children: [
+			/* @__PURE__ */ B("h2", { children: "Bond" }),
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "written" }), /* @__PURE__ */ B(Vt, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Gt(e, t, r.key, n)
+				onWrite: (n) => void Kt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ z("p", { children: [
+			a && /* @__PURE__ */ B("p", { children: [
 				"effort ",
-				R(a.e, a.units[0]),
+				z(a.e, a.units[0]),
 				", flow ",
-				R(a.f, a.units[1]),
+				z(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : R(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ B("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ z("button", {
+				}), /* @__PURE__ */ B("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ B("section", { children: [/* @__PURE__ */ B("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ z("div", {
+	] }), /* @__PURE__ */ B("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ z("button", {
-				onClick: () => Kt(e, r, "y"),
+			/* @__PURE__ */ B("button", {
+				onClick: () => qt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ z("button", {
-				onClick: () => Kt(e, r, "x"),
+			/* @__PURE__ */ B("button", {
+				onClick: () => qt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				disabled: r.length < 3,
-				onClick: () => qt(e, r, "x"),
+				onClick: () => Jt(e, r, "x"),
 				children: "Evenly across"
 			}),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				disabled: r.length < 3,
-				onClick: () => qt(e, r, "y"),
+				onClick: () => Jt(e, r, "y"),
 				children: "Evenly down"
 			}),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ z(Jt, {
+	})] }) : /* @__PURE__ */ B(Yt, {
 		store: e,
 		state: t
 	});
 }
-async function Gt(e, t, n, r) {
+async function Kt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -1941,14 +2010,14 @@ async function Gt(e, t, n, r) {
 		text: r
 	}));
 }
-function Kt(e, t, n) {
+function qt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function qt(e, t, n) {
+function Jt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -1958,26 +2027,26 @@ function qt(e, t, n) {
 		at: o
 	});
 }
-function Jt({ store: e, state: t }) {
+function Yt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: "Model" }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(Bt, {
+	return /* @__PURE__ */ B("section", { children: [
+		/* @__PURE__ */ B("h2", { children: "Model" }),
+		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "title" }), /* @__PURE__ */ B(Vt, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "domain" }), /* @__PURE__ */ z("select", {
+		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "domain" }), /* @__PURE__ */ B("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ z("option", {
+			children: r.map((e) => /* @__PURE__ */ B("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -1986,21 +2055,23 @@ function Jt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ z("p", {
+		/* @__PURE__ */ B("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ z("kbd", { children: "a" }),
+				/* @__PURE__ */ B("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ z("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ B("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ z("kbd", { children: "b" }),
-				". Strokes follow each edit."
+				/* @__PURE__ */ B("kbd", { children: "b" }),
+				". Strokes follow each edit. ",
+				/* @__PURE__ */ B("kbd", { children: "/" }),
+				" finds a name."
 			]
 		})
 	] });
 }
-function Yt({ store: e, state: t, node: n }) {
+function Xt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2014,66 +2085,66 @@ function Yt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(Bt, {
+	return /* @__PURE__ */ B("section", { children: [
+		/* @__PURE__ */ B("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "name" }), /* @__PURE__ */ B(Vt, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ z(Xt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ B(Zt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Ht[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(Bt, {
+		Ut[n.kind]?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: ["start ", e] }), /* @__PURE__ */ B(Vt, {
 			label: `Start value ${e}`,
-			value: $t(i[e]),
+			value: en(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], Vt(t))
+			onWrite: (t) => a([e], Ht(t))
 		})] })),
-		s && /* @__PURE__ */ z(x, { children: [
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
+		s && /* @__PURE__ */ B(x, { children: [
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "kind" }), /* @__PURE__ */ B("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ z("option", {
+				children: [/* @__PURE__ */ B("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ z("option", {
+				}), /* @__PURE__ */ B("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "law" }), /* @__PURE__ */ B("select", {
 				disabled: r,
-				value: $t(i.law),
+				value: en(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ z("option", {
+				children: [/* @__PURE__ */ B("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ z("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ B("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Ut[$t(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Bt, {
+			(Wt[en(i.law)] ?? []).map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Vt, {
 				label: e,
-				value: $t(i[e]),
+				value: en(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], Vt(t))
+				onWrite: (t) => a([e], Ht(t))
 			})] })),
-			/* @__PURE__ */ z(Zt, {
+			/* @__PURE__ */ B(Qt, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ z(x, { children: [
-			c && /* @__PURE__ */ z("p", {
+		n.kind === "part" && /* @__PURE__ */ B(x, { children: [
+			c && /* @__PURE__ */ B("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2082,41 +2153,41 @@ function Yt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(Bt, {
+				return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Vt, {
 					label: e,
-					value: $t(t),
+					value: en(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Vt(t))
+					onWrite: (t) => a(["parameters", e], Ht(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(Bt, {
+			n.inputs?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [e, " ⟵"] }), /* @__PURE__ */ B(Vt, {
 				label: `Input ${e}`,
-				value: $t(i.inputs?.[e]),
+				value: en(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: en(t),
-				onWrite: (t) => a(["inputs", e], Vt(t))
+				list: tn(t),
+				onWrite: (t) => a(["inputs", e], Ht(t))
 			})] })),
-			n.known && /* @__PURE__ */ z("button", {
+			n.known && /* @__PURE__ */ B("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ z("div", {
+		/* @__PURE__ */ B("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2125,11 +2196,11 @@ function Yt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Xt({ node: e, off: t, set: n }) {
+function Zt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(Bt, {
+		if (typeof a == "string") return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [i, " ="] }), /* @__PURE__ */ B(Vt, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2137,31 +2208,31 @@ function Xt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(Bt, {
+	}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "value" }), /* @__PURE__ */ B(Vt, {
 		label: "Value",
 		first: !0,
-		value: $t(r),
+		value: en(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Vt(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Ht(t) ?? 1);
 		}
 	})] });
 }
-function Zt({ store: e, state: t, node: n }) {
+function Qt({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
+	return n.machine ? /* @__PURE__ */ B("p", { children: ["switched by ", /* @__PURE__ */ B("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ z("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ B("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", Qt(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", $t(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2174,14 +2245,14 @@ function Zt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function Qt(e, t) {
+function $t(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function $t(e) {
+function en(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function en(e) {
+function tn(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2189,10 +2260,10 @@ function en(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var tn = 250, nn = /[A-Za-z_][\w.]*$/, rn = 0;
-function an(e) {
-	let [t, n] = B(e.value), [r, i] = B([]), [a, o] = B(-1), [s, c] = B(null), [l] = B(() => `words${++rn}`), u = St(null), d = St(!1), f = St(0);
-	xt(() => {
+var nn = 250, rn = /[A-Za-z_][\w.]*$/, an = 0;
+function U(e) {
+	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++an}`), u = bt(null), d = bt(!1), f = bt(0);
+	yt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2200,14 +2271,14 @@ function an(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = nn.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = rn.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, tn);
+		}, nn);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(nn, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(rn, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	}, g = () => {
 		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
@@ -2225,10 +2296,10 @@ function an(e) {
 			n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
 		}
 	}, v = s ?? (t === e.value ? e.told ?? null : null);
-	return /* @__PURE__ */ z("span", {
+	return /* @__PURE__ */ B("span", {
 		class: "expression",
 		children: [
-			/* @__PURE__ */ z("input", {
+			/* @__PURE__ */ B("input", {
 				ref: u,
 				"aria-label": e.label,
 				value: t,
@@ -2248,11 +2319,11 @@ function an(e) {
 				onBlur: g,
 				onKeyDown: _
 			}),
-			r.length > 0 && /* @__PURE__ */ z("ul", {
+			r.length > 0 && /* @__PURE__ */ B("ul", {
 				id: l,
 				role: "listbox",
 				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ z("li", {
+				children: r.map((e, t) => /* @__PURE__ */ B("li", {
 					id: `${l}-${t}`,
 					role: "option",
 					"aria-selected": t === a,
@@ -2262,21 +2333,21 @@ function an(e) {
 					children: e
 				}))
 			}),
-			v && /* @__PURE__ */ z("small", {
+			v && /* @__PURE__ */ B("small", {
 				class: "wrong",
 				id: `${l}-wrong`,
 				role: "status",
 				children: [
 					v.why,
 					" ",
-					v.try && /* @__PURE__ */ z("em", { children: v.try })
+					v.try && /* @__PURE__ */ B("em", { children: v.try })
 				]
 			})
 		]
 	});
 }
 // src/machines.tsx
-function on(e) {
+function W(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2284,19 +2355,19 @@ function on(e) {
 		guard: t[3]
 	} : null;
 }
-function sn({ store: e, state: t }) {
+function on({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ z(V, {
+	return /* @__PURE__ */ B("section", { children: [
+		/* @__PURE__ */ B("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ B(sn, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ z("button", {
+		n.view.editable && /* @__PURE__ */ B("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = Qt([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = $t([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2312,23 +2383,23 @@ function sn({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ z("p", {
+		/* @__PURE__ */ B("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ z("code", { children: "pre(x)" }),
+				/* @__PURE__ */ B("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ z("b", { children: "x⁻" }),
+				/* @__PURE__ */ B("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ z("code", { children: "x" }),
+				/* @__PURE__ */ B("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ z("b", { children: "x⁺" }),
+				/* @__PURE__ */ B("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function V({ store: e, state: t, name: n, machine: r }) {
+function sn({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2348,13 +2419,13 @@ function V({ store: e, state: t, name: n, machine: r }) {
 		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
 		return c?.where.includes(n) ? c : null;
 	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z(Bt, {
+				children: [/* @__PURE__ */ B(Vt, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2363,7 +2434,7 @@ function V({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ z("button", {
+				}), !a && /* @__PURE__ */ B("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2374,15 +2445,15 @@ function V({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ z(cn, {
+			/* @__PURE__ */ B(cn, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((t) => /* @__PURE__ */ z("div", {
+			c.map((t) => /* @__PURE__ */ B("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ z("input", {
+					/* @__PURE__ */ B("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${t}`,
@@ -2394,7 +2465,7 @@ function V({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ z(Bt, {
+					/* @__PURE__ */ B(Vt, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2416,11 +2487,11 @@ function V({ store: e, state: t, name: n, machine: r }) {
 							});
 						}
 					}),
-					/* @__PURE__ */ z("span", {
+					/* @__PURE__ */ B("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ z(Bt, {
+					/* @__PURE__ */ B(Vt, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2437,44 +2508,44 @@ function V({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = on(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ z("div", {
+				let i = W(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ B("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ z(x, { children: [
-						/* @__PURE__ */ z("select", {
+					children: [i ? /* @__PURE__ */ B(x, { children: [
+						/* @__PURE__ */ B("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ B("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ z("select", {
+						/* @__PURE__ */ B("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ B("option", { children: e }))
 						}),
-						/* @__PURE__ */ z(an, {
+						/* @__PURE__ */ B(U, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: en(t),
+							words: tn(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ z("span", {
+						/* @__PURE__ */ B("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ z(Bt, {
+					] }) : /* @__PURE__ */ B(Vt, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ z("button", {
+					}), !a && /* @__PURE__ */ B("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2482,21 +2553,21 @@ function V({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ z("div", {
+			!a && /* @__PURE__ */ B("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ B("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[Qt(c, "state")]: []
+							[$t(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ z("button", {
+				}), /* @__PURE__ */ B("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => on(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => W(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2509,17 +2580,17 @@ function V({ store: e, state: t, name: n, machine: r }) {
 	});
 }
 function cn({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(on).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ z("div", {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(W).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ B("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ z("svg", {
+		children: /* @__PURE__ */ B("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
+				/* @__PURE__ */ B("defs", { children: /* @__PURE__ */ B("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2527,26 +2598,26 @@ function cn({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ z("path", {
+					children: /* @__PURE__ */ B("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ B("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ z("title", { children: e.guard })
+						children: /* @__PURE__ */ B("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
+					return /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ z("title", { children: e.guard })
-					}), /* @__PURE__ */ z("text", {
+						children: /* @__PURE__ */ B("title", { children: e.guard })
+					}), /* @__PURE__ */ B("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2554,7 +2625,7 @@ function cn({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ z("g", {
+				r.map((r) => /* @__PURE__ */ B("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2563,20 +2634,20 @@ function cn({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ z("rect", {
+						/* @__PURE__ */ B("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ z("text", {
+						/* @__PURE__ */ B("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ z("circle", {
+						r === e.start && /* @__PURE__ */ B("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2588,7 +2659,7 @@ function cn({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [ln, un] = [720, 190], H = 74, [U, W] = [8, 20], dn = [
+var [G, K] = [720, 190], ln = 74, [un, dn] = [8, 20], fn = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2598,35 +2669,35 @@ var [ln, un] = [720, 190], H = 74, [U, W] = [8, 20], dn = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function fn(e) {
+function pn(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function pn({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = B(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ z("div", {
+function mn({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ B("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z("b", { children: n.path }),
+					/* @__PURE__ */ B("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ z("span", {
+					/* @__PURE__ */ B("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ z("span", {
+					/* @__PURE__ */ B("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ z("button", {
+					!n.done && /* @__PURE__ */ B("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ z("input", {
+					/* @__PURE__ */ B("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2635,11 +2706,11 @@ function pn({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("output", { children: [
+					r !== null && /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ z("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ B("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2651,20 +2722,20 @@ function pn({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ z("button", {
+					/* @__PURE__ */ B("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ z(mn, {
+			o.map((e, t) => /* @__PURE__ */ B(hn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ z(hn, {
+			/* @__PURE__ */ B(gn, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -2673,10 +2744,10 @@ function pn({ store: e, state: t }) {
 		]
 	});
 }
-function mn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function hn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ z("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: [
 			e,
@@ -2684,79 +2755,79 @@ function mn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => H + e / n * (ln - H - 8), d = (e) => un - W - (e - o) / l * (un - W - U), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => ln + e / n * (G - ln - 8), d = (e) => K - dn - (e - o) / l * (K - dn - un), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ z("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ B("svg", {
 		class: "family",
-		viewBox: `0 0 ${ln} ${un}`,
+		viewBox: `0 0 ${G} ${K}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${Se(o)} and ${Se(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${xe(o)} and ${xe(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ z("rect", {
+			/* @__PURE__ */ B("rect", {
 				class: "box",
-				x: H,
-				y: U,
-				width: ln - H - 8,
-				height: un - W - U
+				x: ln,
+				y: un,
+				width: G - ln - 8,
+				height: K - dn - un
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ z("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ B("line", {
 				class: "axis",
-				x1: H,
-				x2: ln - 8,
+				x1: ln,
+				x2: G - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ z("path", {
+				return !n || n.error ? null : /* @__PURE__ */ B("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${fn(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${pn(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ z("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ B("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ z("text", {
+			/* @__PURE__ */ B("text", {
 				x: 69,
-				y: U + 9,
+				y: un + 9,
 				"text-anchor": "end",
-				children: R(s, c)
+				children: z(s, c)
 			}),
-			/* @__PURE__ */ z("text", {
+			/* @__PURE__ */ B("text", {
 				x: 69,
-				y: un - W,
+				y: K - dn,
 				"text-anchor": "end",
-				children: R(o, c)
+				children: z(o, c)
 			}),
-			/* @__PURE__ */ z("text", {
+			/* @__PURE__ */ B("text", {
 				class: "what",
-				transform: `translate(12,${(un - W) / 2}) rotate(-90)`,
+				transform: `translate(12,${(K - dn) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ z("text", {
-				x: H,
-				y: un - 5,
+			/* @__PURE__ */ B("text", {
+				x: ln,
+				y: K - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ z("text", {
-				x: ln - 8,
-				y: un - 5,
+			/* @__PURE__ */ B("text", {
+				x: G - 8,
+				y: K - 5,
 				"text-anchor": "end",
-				children: R(n, "s")
+				children: z(n, "s")
 			})
 		]
 	});
 }
-function hn({ sweep: e, end: t, chosen: n, choose: r }) {
+function gn({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (ln - H - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (G - ln - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -2767,65 +2838,65 @@ function hn({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ z("figure", {
+	return /* @__PURE__ */ B("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${ln} 184`,
+		children: [/* @__PURE__ */ B("svg", {
+			viewBox: `0 0 ${G} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ z("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ B("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ z("rect", {
-						x: H + c * o,
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ B("rect", {
+						x: ln + c * o,
 						width: o + .4,
-						y: U + 150 * (1 - n / a),
+						y: un + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: dn[r % dn.length],
-						children: /* @__PURE__ */ z("title", { children: `${e.values[c]}: ${i[r]}` })
+						fill: fn[r % fn.length],
+						children: /* @__PURE__ */ B("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					x: 69,
-					y: U + 9,
+					y: un + 9,
 					"text-anchor": "end",
-					children: R(t, "s")
+					children: z(t, "s")
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					x: 69,
-					y: U + 150,
+					y: un + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ z("text", {
-					x: H,
-					y: U + 150 + 14,
+				/* @__PURE__ */ B("text", {
+					x: ln,
+					y: un + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ z("text", {
-					x: ln - 8,
-					y: U + 150 + 14,
+				/* @__PURE__ */ B("text", {
+					x: G - 8,
+					y: un + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					class: "what",
-					x: (H + ln) / 2,
-					y: U + 150 + 18,
+					x: (ln + G) / 2,
+					y: un + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ z("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ z("span", { children: [
-			/* @__PURE__ */ z("i", { style: `background: ${dn[t % dn.length]}` }),
+		}), /* @__PURE__ */ B("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ B("span", { children: [
+			/* @__PURE__ */ B("i", { style: `background: ${fn[t % fn.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function gn({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = B(n), [s, c] = B(r), [l, u] = B("15"), [d, f] = B(!1), p = (n) => {
+function _n({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -2833,25 +2904,25 @@ function gn({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ z("form", {
+	return /* @__PURE__ */ B("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -2859,23 +2930,23 @@ function gn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function _n({ store: e, state: t }) {
+function vn({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ z(x, { children: [
-			/* @__PURE__ */ z("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ z(yn, {
+		return /* @__PURE__ */ B(x, { children: [
+			/* @__PURE__ */ B("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ B(bn, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ z("button", {
+			!r && /* @__PURE__ */ B("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -2886,54 +2957,54 @@ function _n({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, Qt(t, e)], s);
+					a([i, $t(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ z("section", { children: [
+	return /* @__PURE__ */ B("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ z(x, { children: [
-			/* @__PURE__ */ z("h2", { children: "Run" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Bt, {
+		!t.level && /* @__PURE__ */ B(x, { children: [
+			/* @__PURE__ */ B("h2", { children: "Run" }),
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Vt, {
 				label: "Until",
-				value: $t(i.until),
+				value: en(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Vt(e))
+				onWrite: (e) => void a(["experiment", "until"], Ht(e))
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
-				value: $t(i.solver),
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "solver" }), /* @__PURE__ */ B("select", {
+				value: en(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ z("option", {
+				children: [/* @__PURE__ */ B("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ z("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ B("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(Bt, {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "rtol" }), /* @__PURE__ */ B(Vt, {
 				label: "Relative tolerance",
-				value: $t(i.rtol),
+				value: en(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Vt(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Ht(e))
 			})] })
 		] })
 	] });
 }
-var vn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function yn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? vn.exec($t(i)) : null, [c] = B(() => s && Number(s[1]) || 1), [l, u] = B(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ z("div", {
+var yn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function bn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? yn.exec(en(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ B("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ z("label", { children: [
-				/* @__PURE__ */ z(Bt, {
+			/* @__PURE__ */ B("label", { children: [
+				/* @__PURE__ */ B(Vt, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -2943,23 +3014,23 @@ function yn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ z(Bt, {
+				o ? /* @__PURE__ */ B(Vt, {
 					label: r,
-					value: $t(i),
+					value: en(i),
 					disabled: a,
-					list: n === "signals" ? en(t) : void 0,
+					list: n === "signals" ? tn(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: Vt(t)
+						value: Ht(t)
 					})
-				}) : /* @__PURE__ */ z(bn, {
+				}) : /* @__PURE__ */ B(xn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ z("button", {
+				s && /* @__PURE__ */ B("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -2967,7 +3038,7 @@ function yn({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ z("button", {
+				!a && /* @__PURE__ */ B("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -2978,14 +3049,14 @@ function yn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ z(gn, {
+			l && s && /* @__PURE__ */ B(_n, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ z("input", {
+			s && !a && /* @__PURE__ */ B("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -3004,20 +3075,20 @@ function yn({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function bn({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ z("span", {
+function xn({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ B("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(bn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ B(xn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(Bt, {
+		}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: n }), /* @__PURE__ */ B(Vt, {
 			label: `${t.join(" ")} ${n}`,
-			value: $t(i),
+			value: en(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = Vt(r);
+				let i = Ht(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3030,58 +3101,58 @@ function bn({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function xn({ store: e, state: t }) {
+function Sn({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ z("section", { children: [
-		/* @__PURE__ */ z("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ z("p", { children: "None." }),
-		/* @__PURE__ */ z("ul", {
+	return /* @__PURE__ */ B("section", { children: [
+		/* @__PURE__ */ B("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ B("p", { children: "None." }),
+		/* @__PURE__ */ B("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ z("li", {
+			children: n.map((t) => /* @__PURE__ */ B("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ z("button", {
+				children: /* @__PURE__ */ B("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ z("b", { children: t.code }),
+						/* @__PURE__ */ B("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ z("i", { children: t.where }),
-						/* @__PURE__ */ z("span", { children: t.why }),
-						t.try && /* @__PURE__ */ z("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ B("i", { children: t.where }),
+						/* @__PURE__ */ B("span", { children: t.why }),
+						t.try && /* @__PURE__ */ B("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function Sn({ store: e, state: t }) {
+function Cn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ B("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ z("h2", { children: "Elements" }),
-			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
-				/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ B("h2", { children: "Elements" }),
+			/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
+				/* @__PURE__ */ B("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ B("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ B("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ B("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ z("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ B("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ z("tr", {
+				return /* @__PURE__ */ B("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+						/* @__PURE__ */ B("td", { children: /* @__PURE__ */ B("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3089,9 +3160,9 @@ function Sn({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ z("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ z("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ z("td", { children: [
+						/* @__PURE__ */ B("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ B("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ B("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3100,26 +3171,26 @@ function Sn({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ z("h2", { children: "Bonds" }),
-			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
-				/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ B("h2", { children: "Bonds" }),
+			/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
+				/* @__PURE__ */ B("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ B("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ z("th", {
+				/* @__PURE__ */ B("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ z("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ B("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ z("tr", {
+				return /* @__PURE__ */ B("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+						/* @__PURE__ */ B("td", { children: /* @__PURE__ */ B("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3127,17 +3198,17 @@ function Sn({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ z("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ z("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ B("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ B("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function Cn({ store: e, state: t }) {
-	let [n, r] = B(null), [i, a] = B(null), o = t.look.revision;
-	xt(() => {
+function wn({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
+	yt(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3146,15 +3217,15 @@ function Cn({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ B("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ z("h2", { children: [
+			/* @__PURE__ */ B("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ z("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ B("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ z("textarea", {
+			/* @__PURE__ */ B("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3163,13 +3234,13 @@ function Cn({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "row",
-				children: [/* @__PURE__ */ z("button", {
+				children: [/* @__PURE__ */ B("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ z("button", {
+				}), /* @__PURE__ */ B("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3179,7 +3250,7 @@ function Cn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function wn(e) {
+function Tn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3202,20 +3273,20 @@ function wn(e) {
 		parts: r
 	};
 }
-function Tn({ store: e, state: t }) {
-	let [n, r] = B(""), { kinds: i, parts: a } = wn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function En({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = Tn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ z("aside", {
+	return /* @__PURE__ */ B("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ z("button", {
+				children: i.map((e) => /* @__PURE__ */ B("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3226,27 +3297,27 @@ function Tn({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ z("input", {
+			/* @__PURE__ */ B("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ z("details", {
+					return n.length ? /* @__PURE__ */ B("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ z("summary", { children: [
+						children: [/* @__PURE__ */ B("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ z("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ z("button", {
+							/* @__PURE__ */ B("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ B("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3262,19 +3333,19 @@ function Tn({ store: e, state: t }) {
 		]
 	});
 }
-var En = /^[A-Za-z_]\w*$/, Dn = 8, On = 5;
-function kn(e, t) {
+var Dn = /^[A-Za-z_]\w*$/, On = 8, kn = 5;
+function An(e, t) {
 	let n = e.letters.replaceAll("_", " ").toLowerCase(), r = t.replaceAll("_", " ");
-	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : On;
+	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : kn;
 }
-function An(e) {
+function jn(e) {
 	let t = (e.look?.view.nodes ?? []).filter((e) => String(e.entry.submodel ?? "").includes(".")), n = t.find((t) => e.nodes.has(t.name)) ?? t[t.length - 1];
 	return n ? String(n.entry.submodel).split(".")[0] : e.look?.view.domain ?? "";
 }
-function jn({ store: e, state: t }) {
-	let [n, r] = B(""), [i, a] = B(0), { kinds: o, parts: s } = wn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && En.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = An(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
+function Mn({ store: e, state: t }) {
+	let [n, r] = H(""), [i, a] = H(0), { kinds: o, parts: s } = Tn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && Dn.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = jn(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
 		o: e,
-		rank: 2 * kn(e, p) - Number(e.key.startsWith(`${m}.`))
+		rank: 2 * An(e, p) - Number(e.key.startsWith(`${m}.`))
 	})).filter(({ rank: e }) => e < 9).sort((e, t) => e.rank - t.rank).map(({ o: e }) => e), g = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, _ = async () => {
@@ -3286,17 +3357,17 @@ function jn({ store: e, state: t }) {
 		if (!t) return;
 		let r = t.element, a = "";
 		if (t === d && u.length) {
-			En.test(u[0]) && (a = u.shift());
+			Dn.test(u[0]) && (a = u.shift());
 			let e = u.join(" ");
 			e && !("junction" in r) && (r = { [t.key]: e });
 		} else f && (a = u[0]);
 		await e.add(r, a || t.stem), g();
 	};
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "quick",
 		role: "dialog",
 		"aria-label": "Add",
-		children: [/* @__PURE__ */ z("input", {
+		children: [/* @__PURE__ */ B("input", {
 			ref: (e) => e?.focus(),
 			value: n,
 			"aria-label": "What to add",
@@ -3311,22 +3382,22 @@ function jn({ store: e, state: t }) {
 				}[e.key];
 				t && (a(Math.max(0, Math.min(i + t, h.length - 1, 7))), e.preventDefault()), e.key === "Enter" && _(), e.key === "Escape" && g(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ z("ul", { children: h.slice(0, Dn).map((e, t) => /* @__PURE__ */ z("li", {
+		}), /* @__PURE__ */ B("ul", { children: h.slice(0, On).map((e, t) => /* @__PURE__ */ B("li", {
 			class: t === i ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ z("b", { children: e.letters }),
+				/* @__PURE__ */ B("b", { children: e.letters }),
 				" ",
 				e.about,
-				e.key.includes(".") && /* @__PURE__ */ z("small", { children: [" ", e.key.split(".")[0]] })
+				e.key.includes(".") && /* @__PURE__ */ B("small", { children: [" ", e.key.split(".")[0]] })
 			]
 		})) })]
 	});
 }
 // src/axes.ts
-function Mn(e) {
+function Nn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function Nn(e, t, n, r = 5) {
+function Pn(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3337,7 +3408,7 @@ function Nn(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: In(e, t, r)
+		ticks: Ln(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3346,22 +3417,22 @@ function Nn(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: Ln(e, t, r)
+		ticks: Rn(e, t, r)
 	};
 }
-function Pn(e, t, n) {
-	if (e.edges) return Nn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = Fn(t.filter((e) => e !== null));
-	if (e.log) return Nn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function Fn(e, t, n) {
+	if (e.edges) return Pn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = In(t.filter((e) => e !== null));
+	if (e.log) return Pn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return Nn(r - a, i + a, !1, n);
+	return Pn(r - a, i + a, !1, n);
 }
-function Fn(e) {
+function In(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function In(e, t, n) {
+function Ln(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3371,7 +3442,7 @@ function In(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function Ln(e, t, n) {
+function Rn(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3388,13 +3459,13 @@ function Ln(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function Rn(e, t) {
-	return t ? `${e} [${I(t)}]` : e;
+function zn(e, t) {
+	return t ? `${e} [${L(t)}]` : e;
 }
-function G(e) {
-	return e === null ? "none" : Se(e, 5).replace(/\.?0+e/, "e");
+function q(e) {
+	return e === null ? "none" : xe(e, 5).replace(/\.?0+e/, "e");
 }
-var zn = [
+var Bn = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3406,40 +3477,40 @@ var zn = [
 	"b5de2b",
 	"fde725"
 ];
-function Bn(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (zn.length - 1), n = Math.min(Math.floor(t), zn.length - 2);
+function Vn(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (Bn.length - 1), n = Math.min(Math.floor(t), Bn.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [zn[n], zn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [Bn[n], Bn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var Vn = zn.map((e) => `#${e}`).join(", "), Hn = 120, Un = "HB-W103", Wn = [
+var Hn = Bn.map((e) => `#${e}`).join(", "), Un = 120, Wn = "HB-W103", Gn = [
 	"grid",
 	"together",
 	"ends"
-], Gn = ["grid", "together"];
-function Kn({ store: e, state: t }) {
-	let [n, r] = B(null), [i, a] = B(null), [o, s] = B(null), c = t.look.revision, l = t.asking;
-	if (xt(() => {
+], Kn = ["grid", "together"];
+function qn({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(null), [o, s] = H(null), c = t.look.revision, l = t.asking;
+	if (yt(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: Yn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: Xn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
-	}, [c]), xt(() => {
+	}, [c]), yt(() => {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, Hn);
+		}, Un);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
-	}, [l, c]), i) return /* @__PURE__ */ z("p", {
+	}, [l, c]), i) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: [
 			"There is nothing to sweep yet: ",
@@ -3448,7 +3519,7 @@ function Kn({ store: e, state: t }) {
 			i.why
 		]
 	});
-	if (!n || !l) return /* @__PURE__ */ z("p", {
+	if (!n || !l) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "…"
 	});
@@ -3459,34 +3530,34 @@ function Kn({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Xn(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Zn(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: Xn(i, l.way) } : {}
+			...o ? { values: Zn(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: Xn(t.values, e)
+			values: Zn(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: Xn(n.values[e] ?? "", l.way)
+			values: Zn(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ B("section", {
 		class: "plan",
 		children: [
-			/* @__PURE__ */ z("h2", { children: "What varies" }),
-			l.factors.map((e, t) => /* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("h2", { children: "What varies" }),
+			l.factors.map((e, t) => /* @__PURE__ */ B("div", {
 				class: "factor",
 				"data-factor": t,
 				children: [
-					/* @__PURE__ */ z(an, {
+					/* @__PURE__ */ B(U, {
 						label: `Factor ${t + 1}`,
 						value: e.path,
 						words: n.paths,
@@ -3498,7 +3569,7 @@ function Kn({ store: e, state: t }) {
 						})),
 						told: f[`path.${t}`]
 					}),
-					/* @__PURE__ */ z(an, {
+					/* @__PURE__ */ B(U, {
 						label: `Values of factor ${t + 1}`,
 						value: e.values,
 						words: [
@@ -3519,7 +3590,7 @@ function Kn({ store: e, state: t }) {
 						})),
 						told: f[`values.${t}`]
 					}),
-					/* @__PURE__ */ z("button", {
+					/* @__PURE__ */ B("button", {
 						class: "small",
 						"aria-label": `Leave out factor ${t + 1}`,
 						disabled: l.factors.length < 2,
@@ -3528,50 +3599,50 @@ function Kn({ store: e, state: t }) {
 					})
 				]
 			}, t)),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "row",
-				children: /* @__PURE__ */ z("button", {
+				children: /* @__PURE__ */ B("button", {
 					onClick: _,
 					children: "Add a factor"
 				})
 			}),
-			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "How values are written" }), /* @__PURE__ */ z("dl", { children: [
-				/* @__PURE__ */ z("dt", { children: "0.2:0.3:0.005" }),
-				/* @__PURE__ */ z("dd", { children: "from, to, step" }),
-				/* @__PURE__ */ z("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
-				/* @__PURE__ */ z("dd", { children: "so many, evenly or by ratios" }),
-				/* @__PURE__ */ z("dt", { children: "1 kg, 1.5 kg" }),
-				/* @__PURE__ */ z("dd", { children: "these" }),
-				/* @__PURE__ */ z("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
-				/* @__PURE__ */ z("dd", { children: "distributions, for samples" })
+			/* @__PURE__ */ B("details", { children: [/* @__PURE__ */ B("summary", { children: "How values are written" }), /* @__PURE__ */ B("dl", { children: [
+				/* @__PURE__ */ B("dt", { children: "0.2:0.3:0.005" }),
+				/* @__PURE__ */ B("dd", { children: "from, to, step" }),
+				/* @__PURE__ */ B("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
+				/* @__PURE__ */ B("dd", { children: "so many, evenly or by ratios" }),
+				/* @__PURE__ */ B("dt", { children: "1 kg, 1.5 kg" }),
+				/* @__PURE__ */ B("dd", { children: "these" }),
+				/* @__PURE__ */ B("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
+				/* @__PURE__ */ B("dd", { children: "distributions, for samples" })
 			] })] }),
-			/* @__PURE__ */ z("h2", { children: "How members are drawn" }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "way" }), /* @__PURE__ */ z("select", {
+			/* @__PURE__ */ B("h2", { children: "How members are drawn" }),
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "way" }), /* @__PURE__ */ B("select", {
 				"aria-label": "Way",
 				value: l.way,
 				onChange: (e) => g(e.currentTarget.value),
-				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
+				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ B("option", {
 					value: e,
-					children: qn[e] ?? e
+					children: Jn[e] ?? e
 				}))
 			})] }),
-			/* @__PURE__ */ z("p", {
+			/* @__PURE__ */ B("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!Wn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(Bt, {
+			!Gn.includes(l.way) && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "number" }), /* @__PURE__ */ B(Vt, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Gn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(Bt, {
+			!Kn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "seed" }), /* @__PURE__ */ B(Vt, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ z(Jn, { problem: f.seed ?? f.way }),
-			/* @__PURE__ */ z("h2", { children: "What is collected" }),
-			/* @__PURE__ */ z(an, {
+			/* @__PURE__ */ B(Yn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ B("h2", { children: "What is collected" }),
+			/* @__PURE__ */ B(U, {
 				label: "Collect",
 				value: l.collect,
 				words: n.words,
@@ -3583,37 +3654,37 @@ function Kn({ store: e, state: t }) {
 				})),
 				told: f.collect
 			}),
-			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "What can be collected" }), /* @__PURE__ */ z("ul", { children: Object.values(n.collectors).map((e) => {
+			/* @__PURE__ */ B("details", { children: [/* @__PURE__ */ B("summary", { children: "What can be collected" }), /* @__PURE__ */ B("ul", { children: Object.values(n.collectors).map((e) => {
 				let [, t, n] = /^(\w+(?:\([^)]*\))?)[:,] (.*)$/.exec(e) ?? [
 					"",
 					e,
 					""
 				];
-				return /* @__PURE__ */ z("li", { children: [
-					/* @__PURE__ */ z("code", { children: t }),
+				return /* @__PURE__ */ B("li", { children: [
+					/* @__PURE__ */ B("code", { children: t }),
 					" ",
 					n
 				] });
 			}) })] }),
-			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(Bt, {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Vt, {
 				label: "Until of the sweep",
 				value: l.until,
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ z(Jn, { problem: f.until }),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B(Yn, { problem: f.until }),
+			/* @__PURE__ */ B("div", {
 				class: "row begin",
-				children: [p ? /* @__PURE__ */ z("button", {
+				children: [p ? /* @__PURE__ */ B("button", {
 					class: "run",
 					onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
 					children: "Cancel"
-				}) : /* @__PURE__ */ z("button", {
+				}) : /* @__PURE__ */ B("button", {
 					class: "run",
 					disabled: !v || Object.keys(f).length > 0,
 					onClick: () => void e.sweepPlan(e.state.asking),
 					children: ["▶ Run ", v > 0 ? `${v} members` : "the sweep"]
-				}), t.plan && !t.planShown && /* @__PURE__ */ z("button", {
+				}), t.plan && !t.planShown && /* @__PURE__ */ B("button", {
 					onClick: () => e.set({
 						planShown: !0,
 						bottom: !0,
@@ -3622,12 +3693,12 @@ function Kn({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && Object.values(f).every((e) => e.code === Un) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
+			o && Object.values(f).every((e) => e.code === Wn) && /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("h2", { children: "The same in a terminal" }), /* @__PURE__ */ B("div", {
 				class: "command",
-				children: [/* @__PURE__ */ z("code", {
+				children: [/* @__PURE__ */ B("code", {
 					tabindex: 0,
 					children: o.command
-				}), /* @__PURE__ */ z("button", {
+				}), /* @__PURE__ */ B("button", {
 					onClick: () => void navigator.clipboard?.writeText(o.command).catch((t) => e.refused(t)),
 					children: "Copy"
 				})]
@@ -3635,7 +3706,7 @@ function Kn({ store: e, state: t }) {
 		]
 	});
 }
-var qn = {
+var Jn = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3644,18 +3715,18 @@ var qn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function Jn({ problem: e }) {
-	return e ? /* @__PURE__ */ z("small", {
+function Yn({ problem: e }) {
+	return e ? /* @__PURE__ */ B("small", {
 		class: "wrong",
 		role: "status",
 		children: [
 			e.why,
 			" ",
-			e.try && /* @__PURE__ */ z("em", { children: e.try })
+			e.try && /* @__PURE__ */ B("em", { children: e.try })
 		]
 	}) : null;
 }
-function Yn(e) {
+function Xn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3669,24 +3740,24 @@ function Yn(e) {
 		collect: e.collect
 	};
 }
-function Xn(e, t) {
-	let n = Mn(e);
-	return n ? Gn.includes(t) ? `${n}:11` : n : e;
+function Zn(e, t) {
+	let n = Nn(e);
+	return n ? Kn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [K, Zn, q, Qn] = [
+var [Qn, $n, er, tr] = [
 	66,
 	14,
 	10,
 	38
 ];
-function $n({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function nr({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
-	if (!l.length) return /* @__PURE__ */ z("p", {
+	if (!l.length) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - K - Zn, n - q - Qn], [m, h] = Fn(l), g = .05 * (h - m), _ = Nn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = Nn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => K + _.part(e) * f, b = (e) => q + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Qn - $n, n - er - tr], [m, h] = In(l), g = .05 * (h - m), _ = Pn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = Pn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Qn + _.part(e) * f, b = (e) => er + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3702,10 +3773,10 @@ function $n({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 		}
 		return n;
 	}, [C, w, T, E, D] = s, O = r === null ? -1 : e.members.indexOf(r);
-	return /* @__PURE__ */ z("figure", {
+	return /* @__PURE__ */ B("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
 		"data-view": "family",
-		children: [/* @__PURE__ */ z("div", {
+		children: [/* @__PURE__ */ B("div", {
 			class: "area",
 			style: `width: ${d}px; height: ${n}px`,
 			tabindex: 0,
@@ -3724,99 +3795,99 @@ function $n({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				let o = O < 0 ? 0 : O + n;
 				e.members[o] !== void 0 && i(e.members[o]);
 			},
-			children: /* @__PURE__ */ z("svg", {
+			children: /* @__PURE__ */ B("svg", {
 				width: d,
 				height: n,
 				role: "img",
-				"aria-label": `${e.signal}: from ${G(m)} to ${G(h)} ${e.unit}; the median ends at ${G(T[T.length - 1])}`,
+				"aria-label": `${e.signal}: from ${q(m)} to ${q(h)} ${e.unit}; the median ends at ${q(T[T.length - 1])}`,
 				children: [
-					/* @__PURE__ */ z("rect", {
+					/* @__PURE__ */ B("rect", {
 						class: "box",
-						x: K,
-						y: q,
+						x: Qn,
+						y: er,
 						width: f,
 						height: p
 					}),
-					/* @__PURE__ */ z("path", {
+					/* @__PURE__ */ B("path", {
 						class: "band",
 						d: S(C, D)
 					}),
-					/* @__PURE__ */ z("path", {
+					/* @__PURE__ */ B("path", {
 						class: "band inner",
 						d: S(w, E)
 					}),
-					c.map((t, n) => n === O ? null : /* @__PURE__ */ z("path", {
+					c.map((t, n) => n === O ? null : /* @__PURE__ */ B("path", {
 						class: "one",
 						d: x(t),
 						onClick: () => (i(e.members[n]), a(e.members[n])),
-						children: /* @__PURE__ */ z("title", { children: ["run ", e.members[n]] })
+						children: /* @__PURE__ */ B("title", { children: ["run ", e.members[n]] })
 					})),
-					/* @__PURE__ */ z("path", {
+					/* @__PURE__ */ B("path", {
 						class: "median",
 						d: x(T)
 					}),
-					O >= 0 && /* @__PURE__ */ z("path", {
+					O >= 0 && /* @__PURE__ */ B("path", {
 						class: "one chosen",
 						d: x(c[O]),
 						onClick: () => a(r)
 					}),
-					_.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+					_.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: q + p,
-						y2: q + p + 4
-					}), /* @__PURE__ */ z("text", {
+						y1: er + p,
+						y2: er + p + 4
+					}), /* @__PURE__ */ B("text", {
 						x: y(e),
-						y: q + p + 15,
+						y: er + p + 15,
 						"text-anchor": "middle",
-						children: R(e, "s")
+						children: z(e, "s")
 					})] })),
-					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+					v.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 						class: "tick",
-						x1: K - 4,
-						x2: K,
+						x1: Qn - 4,
+						x2: Qn,
 						y1: b(e),
 						y2: b(e)
-					}), /* @__PURE__ */ z("text", {
-						x: K - 7,
+					}), /* @__PURE__ */ B("text", {
+						x: Qn - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
-						children: G(e)
+						children: q(e)
 					})] })),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ B("text", {
 						class: "what",
-						x: K + f / 2,
+						x: Qn + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ B("text", {
 						class: "what",
-						transform: `translate(12,${q + p / 2}) rotate(-90)`,
+						transform: `translate(12,${er + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: Rn(e.signal, e.unit)
+						children: zn(e.signal, e.unit)
 					})
 				]
 			})
-		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: Rn(e.signal, e.unit) }),
-			/* @__PURE__ */ z("span", {
+		}), /* @__PURE__ */ B("figcaption", { children: [
+			/* @__PURE__ */ B("b", { children: zn(e.signal, e.unit) }),
+			/* @__PURE__ */ B("span", {
 				class: "key",
-				children: [/* @__PURE__ */ z("i", { class: "line median" }), " median"]
+				children: [/* @__PURE__ */ B("i", { class: "line median" }), " median"]
 			}),
-			/* @__PURE__ */ z("span", {
+			/* @__PURE__ */ B("span", {
 				class: "key",
-				children: [/* @__PURE__ */ z("i", { class: "fill inner" }), " 25 to 75 %"]
+				children: [/* @__PURE__ */ B("i", { class: "fill inner" }), " 25 to 75 %"]
 			}),
-			/* @__PURE__ */ z("span", {
+			/* @__PURE__ */ B("span", {
 				class: "key",
-				children: [/* @__PURE__ */ z("i", { class: "fill" }), " 5 to 95 %"]
+				children: [/* @__PURE__ */ B("i", { class: "fill" }), " 5 to 95 %"]
 			}),
-			/* @__PURE__ */ z("span", {
+			/* @__PURE__ */ B("span", {
 				class: "key",
 				children: [
-					/* @__PURE__ */ z("i", { class: "line one" }),
+					/* @__PURE__ */ B("i", { class: "line one" }),
 					" ",
 					e.members.length,
 					" of ",
@@ -3824,192 +3895,192 @@ function $n({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 					" runs"
 				]
 			}),
-			e.every > 1 && /* @__PURE__ */ z("small", { children: [
+			e.every > 1 && /* @__PURE__ */ B("small", { children: [
 				"every ",
 				e.every,
 				". of the times is drawn"
 			] }),
-			/* @__PURE__ */ z("output", { children: O >= 0 ? `run ${r}` : "" })
+			/* @__PURE__ */ B("output", { children: O >= 0 ? `run ${r}` : "" })
 		] })]
 	});
 }
 // src/bars.tsx
-var [er, tr, nr] = [
+var [rr, ir, ar] = [
 	22,
 	40,
 	34
 ];
-function rr(e, t) {
+function or(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function ir({ found: e, wide: t, open: n }) {
+function sr({ found: e, wide: t, open: n }) {
 	let r = e.middle;
-	if (r === null) return /* @__PURE__ */ z("p", {
+	if (r === null) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = rr(e.rows.map((e) => Rn(e.path, e.unit)), i), [o, s] = [44, er + nr * e.rows.length + tr], [c, l] = Fn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = Nn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
-	return /* @__PURE__ */ z("figure", {
+	let i = Math.min(t, 820), a = or(e.rows.map((e) => zn(e.path, e.unit)), i), [o, s] = [44, rr + ar * e.rows.length + ir], [c, l] = In([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = Pn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	return /* @__PURE__ */ B("figure", {
 		class: "bars",
 		"data-view": "tornado",
-		children: [/* @__PURE__ */ z("svg", {
+		children: [/* @__PURE__ */ B("svg", {
 			width: i,
 			height: s,
 			role: "group",
-			"aria-label": `How far each factor moves ${e.value} from ${G(r)} ${e.unit}`,
+			"aria-label": `How far each factor moves ${e.value} from ${q(r)} ${e.unit}`,
 			children: [
-				d.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+				d.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: er,
-					y2: s - tr
-				}), /* @__PURE__ */ z("text", {
+					y1: rr,
+					y2: s - ir
+				}), /* @__PURE__ */ B("text", {
 					x: f(e),
-					y: s - tr + 15,
+					y: s - ir + 15,
 					"text-anchor": "middle",
-					children: G(e)
+					children: q(e)
 				})] })),
-				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${er + i * nr})`,
+				e.rows.map((t, i) => /* @__PURE__ */ B("g", {
+					transform: `translate(0,${rr + i * ar})`,
 					"data-factor": t.path,
-					children: [/* @__PURE__ */ z("text", {
+					children: [/* @__PURE__ */ B("text", {
 						class: "what",
 						x: a - 8,
-						y: nr / 2 + 4,
+						y: ar / 2 + 4,
 						"text-anchor": "end",
-						children: Rn(t.path, t.unit)
+						children: zn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
-						if (i === null) return /* @__PURE__ */ z("text", {
+						if (i === null) return /* @__PURE__ */ B("text", {
 							x: f(r) + 4,
-							y: nr / 2 + 4,
+							y: ar / 2 + 4,
 							children: "no value"
 						});
-						let o = i > r || i === r && a === 1, s = `${t.path} = ${G(t.ends[a])}: ${e.value} = ${G(i)}`, c = () => n(t.members[a]);
-						return /* @__PURE__ */ z("g", {
+						let o = i > r || i === r && a === 1, s = `${t.path} = ${q(t.ends[a])}: ${e.value} = ${q(i)}`, c = () => n(t.members[a]);
+						return /* @__PURE__ */ B("g", {
 							class: "bar " + (a ? "upper" : "lower"),
 							role: "button",
 							tabindex: 0,
 							"aria-label": `${s}. Open this run.`,
 							onClick: c,
 							onKeyDown: (e) => e.key === "Enter" && c(),
-							children: [/* @__PURE__ */ z("rect", {
+							children: [/* @__PURE__ */ B("rect", {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: nr - 10,
+								height: ar - 10,
 								"data-outcome": i,
-								children: /* @__PURE__ */ z("title", { children: s })
-							}), /* @__PURE__ */ z("text", {
+								children: /* @__PURE__ */ B("title", { children: s })
+							}), /* @__PURE__ */ B("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: nr / 2 + 4,
+								y: ar / 2 + 4,
 								"text-anchor": o ? "start" : "end",
-								children: G(t.ends[a])
+								children: q(t.ends[a])
 							})]
 						});
 					})]
 				})),
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ B("line", {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: er - 4,
-					y2: s - tr
+					y1: rr - 4,
+					y2: s - ir
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					x: f(r),
-					y: er - 9,
+					y: rr - 9,
 					"text-anchor": "middle",
-					children: G(r)
+					children: q(r)
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					class: "what",
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: Rn(e.value, e.unit)
+					children: zn(e.value, e.unit)
 				})
 			]
-		}), /* @__PURE__ */ z("figcaption", { children: [/* @__PURE__ */ z("span", {
+		}), /* @__PURE__ */ B("figcaption", { children: [/* @__PURE__ */ B("span", {
 			class: "key",
-			children: [/* @__PURE__ */ z("i", { class: "lower" }), " lower end of the factor"]
-		}), /* @__PURE__ */ z("span", {
+			children: [/* @__PURE__ */ B("i", { class: "lower" }), " lower end of the factor"]
+		}), /* @__PURE__ */ B("span", {
 			class: "key",
-			children: [/* @__PURE__ */ z("i", { class: "upper" }), " upper end"]
+			children: [/* @__PURE__ */ B("i", { class: "upper" }), " upper end"]
 		})] })]
 	});
 }
-function ar({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = rr(e.rows.map((e) => e.path), n), [i, a] = [64, er + nr * e.rows.length + tr], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
-	if (!o.length) return /* @__PURE__ */ z("p", {
+function cr({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = or(e.rows.map((e) => e.path), n), [i, a] = [64, rr + ar * e.rows.length + ir], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+	if (!o.length) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = Fn([0, ...o]), l = Nn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
-	return /* @__PURE__ */ z("figure", {
+	let [s, c] = In([0, ...o]), l = Pn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	return /* @__PURE__ */ B("figure", {
 		class: "bars",
 		"data-view": "sobol",
-		children: [/* @__PURE__ */ z("svg", {
+		children: [/* @__PURE__ */ B("svg", {
 			width: n,
 			height: a,
 			role: "img",
-			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${G(e.first[0])}, with others ${G(e.total[0])}`).join("; ")}`,
+			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${q(e.first[0])}, with others ${q(e.total[0])}`).join("; ")}`,
 			children: [
-				l.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+				l.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: er,
-					y2: a - tr
-				}), /* @__PURE__ */ z("text", {
+					y1: rr,
+					y2: a - ir
+				}), /* @__PURE__ */ B("text", {
 					x: u(e),
-					y: a - tr + 15,
+					y: a - ir + 15,
 					"text-anchor": "middle",
-					children: G(e)
+					children: q(e)
 				})] })),
-				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
-					transform: `translate(0,${er + t * nr})`,
+				e.rows.map((e, t) => /* @__PURE__ */ B("g", {
+					transform: `translate(0,${rr + t * ar})`,
 					"data-factor": e.path,
-					children: [/* @__PURE__ */ z("text", {
+					children: [/* @__PURE__ */ B("text", {
 						class: "what",
 						x: r - 8,
-						y: nr / 2 + 4,
+						y: ar / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
 						if (e === null) return null;
 						let r = 5 + n * 13, i = Math.max(u(e), u(e + (t ?? 0)));
-						return /* @__PURE__ */ z("g", {
+						return /* @__PURE__ */ B("g", {
 							class: "bar still " + (n ? "upper" : "lower"),
 							children: [
-								/* @__PURE__ */ z("rect", {
+								/* @__PURE__ */ B("rect", {
 									x: Math.min(u(e), u(0)),
 									y: r,
 									width: Math.abs(u(e) - u(0)),
 									height: 11,
 									"data-index": e
 								}),
-								t !== null && /* @__PURE__ */ z("path", {
+								t !== null && /* @__PURE__ */ B("path", {
 									class: "whisker",
 									d: `M${u(e - t)},${r + 2}v7m0,-3.5H${u(e + t)}m0,-3.5v7`
 								}),
-								/* @__PURE__ */ z("text", {
+								/* @__PURE__ */ B("text", {
 									x: i + 5,
 									y: r + 9,
-									children: G(+e.toFixed(3))
+									children: q(+e.toFixed(3))
 								})
 							]
 						});
 					})]
 				})),
-				/* @__PURE__ */ z("line", {
+				/* @__PURE__ */ B("line", {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: er - 4,
-					y2: a - tr
+					y1: rr - 4,
+					y2: a - ir
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					class: "what",
 					x: (r + n - i) / 2,
 					y: a - 6,
@@ -4017,16 +4088,16 @@ function ar({ found: e, wide: t }) {
 					children: ["part of the variance of ", e.value]
 				})
 			]
-		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("span", {
+		}), /* @__PURE__ */ B("figcaption", { children: [
+			/* @__PURE__ */ B("span", {
 				class: "key",
-				children: [/* @__PURE__ */ z("i", { class: "lower" }), " alone"]
+				children: [/* @__PURE__ */ B("i", { class: "lower" }), " alone"]
 			}),
-			/* @__PURE__ */ z("span", {
+			/* @__PURE__ */ B("span", {
 				class: "key",
-				children: [/* @__PURE__ */ z("i", { class: "upper" }), " with others"]
+				children: [/* @__PURE__ */ B("i", { class: "upper" }), " with others"]
 			}),
-			/* @__PURE__ */ z("small", { children: [
+			/* @__PURE__ */ B("small", { children: [
 				e.points,
 				" points, 95 % intervals",
 				e.leftOut > 0 && `; ${e.leftOut} left out: a run failed`
@@ -4035,18 +4106,18 @@ function ar({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [or, sr, cr, lr] = [
+var [lr, ur, dr, fr] = [
 	66,
 	12,
 	10,
 	38
-], ur = 14;
-function dr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = St(null), [c, l] = B(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - or - sr, f - cr - lr], h = Pn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Pn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], pr = 14;
+function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = bt(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - lr - ur, f - dr - fr], h = Fn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Fn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Fn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Bn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : G(e.number[t]);
-	xt(() => {
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = In(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Vn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : q(e.number[t]);
+	yt(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
 		let r = devicePixelRatio || 1;
@@ -4074,7 +4145,7 @@ function dr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, ur ** 2];
+		let [a, o] = [-1, pr ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4093,21 +4164,21 @@ function dr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 		e.members[r] >= 0 && a(e.members[r]);
 	}, A = e.members.filter((e, t) => e >= 0 && !v && x(t).includes(null)).length, j = c ?? (O < 0 ? null : O), ee = (t) => {
 		let [n, r] = x(t);
-		return `run ${e.members[t]}: ${e.x.name} = ${G(n)}, ${e.y.name} = ${G(r)}, ${e.value} = ${E(t)}`;
+		return `run ${e.members[t]}: ${e.x.name} = ${q(n)}, ${e.y.name} = ${q(r)}, ${e.value} = ${E(t)}`;
 	}, [te, ne] = O < 0 ? [null, null] : x(O);
-	return /* @__PURE__ */ z("figure", {
+	return /* @__PURE__ */ B("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
 		"data-view": e.view,
-		children: [/* @__PURE__ */ z("div", {
+		children: [/* @__PURE__ */ B("div", {
 			class: "area",
 			style: `width: ${d}px; height: ${f}px`,
 			tabindex: 0,
 			role: "group",
 			"aria-label": `${e.value} over ${e.x.name} and ${e.y.name}, ${v ? "cells" : "points"}. Arrows choose a run, Enter opens it.`,
 			onKeyDown: k,
-			children: [/* @__PURE__ */ z("canvas", {
+			children: [/* @__PURE__ */ B("canvas", {
 				ref: s,
-				style: `left: ${or}px; top: ${cr}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${lr}px; top: ${dr}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4120,115 +4191,115 @@ function dr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 					let n = D(t);
 					n !== null && (a(e.members[n]), o(e.members[n]));
 				}
-			}), /* @__PURE__ */ z("svg", {
+			}), /* @__PURE__ */ B("svg", {
 				width: d,
 				height: f,
 				role: "img",
-				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${G(C)} to ${G(w)} ${e.unit}`}`,
+				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${q(C)} to ${q(w)} ${e.unit}`}`,
 				children: [
-					/* @__PURE__ */ z("rect", {
+					/* @__PURE__ */ B("rect", {
 						class: "box",
-						x: or,
-						y: cr,
+						x: lr,
+						y: dr,
 						width: p,
 						height: m
 					}),
-					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+					h.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 						class: "tick",
-						x1: or + y(e),
-						x2: or + y(e),
-						y1: cr + m,
-						y2: cr + m + 4
-					}), /* @__PURE__ */ z("text", {
-						x: or + y(e),
-						y: cr + m + 15,
+						x1: lr + y(e),
+						x2: lr + y(e),
+						y1: dr + m,
+						y2: dr + m + 4
+					}), /* @__PURE__ */ B("text", {
+						x: lr + y(e),
+						y: dr + m + 15,
 						"text-anchor": "middle",
-						children: G(e)
+						children: q(e)
 					})] })),
-					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
+					g.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 						class: "tick",
-						x1: or - 4,
-						x2: or,
-						y1: cr + b(e),
-						y2: cr + b(e)
-					}), /* @__PURE__ */ z("text", {
-						x: or - 7,
-						y: cr + b(e) + 3.5,
+						x1: lr - 4,
+						x2: lr,
+						y1: dr + b(e),
+						y2: dr + b(e)
+					}), /* @__PURE__ */ B("text", {
+						x: lr - 7,
+						y: dr + b(e) + 3.5,
 						"text-anchor": "end",
-						children: G(e)
+						children: q(e)
 					})] })),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ B("text", {
 						class: "what",
-						x: or + p / 2,
+						x: lr + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: Rn(e.x.name, e.x.unit)
+						children: zn(e.x.name, e.x.unit)
 					}),
-					/* @__PURE__ */ z("text", {
+					/* @__PURE__ */ B("text", {
 						class: "what",
-						transform: `translate(12,${cr + m / 2}) rotate(-90)`,
+						transform: `translate(12,${dr + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: Rn(e.y.name, e.y.unit)
+						children: zn(e.y.name, e.y.unit)
 					}),
-					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
+					te !== null && ne !== null && /* @__PURE__ */ B("circle", {
 						class: "chosen",
-						cx: or + y(te),
-						cy: cr + b(ne),
+						cx: lr + y(te),
+						cy: dr + b(ne),
 						r: 7
 					})
 				]
 			})]
-		}), /* @__PURE__ */ z("figcaption", { children: [
-			/* @__PURE__ */ z("b", { children: Rn(e.value, e.unit) }),
-			e.names.map((t, n) => /* @__PURE__ */ z("span", {
+		}), /* @__PURE__ */ B("figcaption", { children: [
+			/* @__PURE__ */ B("b", { children: zn(e.value, e.unit) }),
+			e.names.map((t, n) => /* @__PURE__ */ B("span", {
 				class: "key",
 				children: [
-					/* @__PURE__ */ z("i", { style: `background: ${e.inks[n]}` }),
+					/* @__PURE__ */ B("i", { style: `background: ${e.inks[n]}` }),
 					" ",
 					t
 				]
 			})),
-			!e.names.length && S.length > 0 && /* @__PURE__ */ z("span", {
+			!e.names.length && S.length > 0 && /* @__PURE__ */ B("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${Vn})` }),
-					/* @__PURE__ */ z("span", { children: G(C) }),
-					/* @__PURE__ */ z("span", { children: G(w) })
+					/* @__PURE__ */ B("i", { style: `background: linear-gradient(to right, ${Hn})` }),
+					/* @__PURE__ */ B("span", { children: q(C) }),
+					/* @__PURE__ */ B("span", { children: q(w) })
 				]
 			}),
-			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ z("span", {
+			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ B("span", {
 				class: "key",
-				children: [/* @__PURE__ */ z("i", { style: `background: ${e.none}` }), " no value"]
+				children: [/* @__PURE__ */ B("i", { style: `background: ${e.none}` }), " no value"]
 			}),
-			e.members.length < e.all && /* @__PURE__ */ z("small", { children: [
+			e.members.length < e.all && /* @__PURE__ */ B("small", { children: [
 				e.members.length,
 				" of ",
 				e.all,
 				" runs are drawn"
 			] }),
-			A > 0 && /* @__PURE__ */ z("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
-			/* @__PURE__ */ z("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
+			A > 0 && /* @__PURE__ */ B("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
+			/* @__PURE__ */ B("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
 		] })]
 	});
 }
 // src/planned.tsx
-var fr = [
+var hr = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], pr = 92, mr = "(max-width: 760px)", hr = 500, gr = 4;
-function _r({ store: e, state: t, plan: n }) {
+], gr = 92, _r = "(max-width: 760px)", vr = 500, yr = 4;
+function br({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: Tr(n),
+		choice: Or(n),
 		chosen: null
-	}, [[a, o], s] = B([700, 340]), c = St(null);
-	xt(() => {
+	}, [[a, o], s] = H([700, 340]), c = bt(null);
+	yt(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(mr).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(_r).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
 	let l = (t) => e.set({ looked: {
@@ -4242,62 +4313,62 @@ function _r({ store: e, state: t, plan: n }) {
 		plan: n.plan,
 		choice: r,
 		chosen: t
-	} }), d = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], f = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), p = (e, t, n) => /* @__PURE__ */ z("label", { children: [e, /* @__PURE__ */ z("select", {
+	} }), d = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], f = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), p = (e, t, n) => /* @__PURE__ */ B("label", { children: [e, /* @__PURE__ */ B("select", {
 		"aria-label": e,
 		value: r[t],
 		onChange: (e) => l({ [t]: e.currentTarget.value }),
-		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
-	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - pr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = Er(e, n, {
+		children: n.map((e) => /* @__PURE__ */ B("option", { children: e }))
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - gr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = kr(e, n, {
 		...r,
 		at: y
 	});
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ B("section", {
 		class: "plots planned",
 		ref: c,
 		"aria-label": "Sweep",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z(yr, {
+					/* @__PURE__ */ B(Sr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ z(br, {
+					/* @__PURE__ */ B(Cr, {
 						store: e,
 						plan: n,
 						chosen: i,
 						choose: u,
 						open: m
 					}),
-					/* @__PURE__ */ z("button", {
-						onClick: () => void Dr(e, n),
+					/* @__PURE__ */ B("button", {
+						onClick: () => void Ar(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
-					/* @__PURE__ */ z("button", {
+					/* @__PURE__ */ B("button", {
 						onClick: () => e.set({ planShown: !1 }),
 						children: "Plots"
 					})
 				]
 			}),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ z("div", {
+					/* @__PURE__ */ B("div", {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: fr.map(([e, t]) => /* @__PURE__ */ z("button", {
+						children: hr.map(([e, t]) => /* @__PURE__ */ B("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => l({
 								view: e,
-								...wr(n, e)
+								...Dr(n, e)
 							}),
 							children: t
 						}))
 					}),
-					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ z(x, { children: [
+					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ B(x, { children: [
 						p("of", "value", r.view === "map" ? f : [
 							...f,
 							"status",
@@ -4308,21 +4379,21 @@ function _r({ store: e, state: t, plan: n }) {
 					] }),
 					r.view === "family" && p("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
 					(r.view === "tornado" || r.view === "sobol") && p("of", "value", d.filter((e) => !g.includes(e))),
-					v && _.map((e) => /* @__PURE__ */ z("label", { children: [e.path, /* @__PURE__ */ z("select", {
+					v && _.map((e) => /* @__PURE__ */ B("label", { children: [e.path, /* @__PURE__ */ B("select", {
 						"aria-label": `Level of ${e.path}`,
 						value: y[e.path],
 						onChange: (t) => l({ at: {
 							...r.at,
 							[e.path]: Number(t.currentTarget.value)
 						} }),
-						children: e.levels.map((e, t) => /* @__PURE__ */ z("option", {
+						children: e.levels.map((e, t) => /* @__PURE__ */ B("option", {
 							value: t,
 							children: e
 						}))
 					})] }))
 				]
 			}),
-			n.error && /* @__PURE__ */ z("p", {
+			n.error && /* @__PURE__ */ B("p", {
 				class: "wrong",
 				children: [
 					n.error.code,
@@ -4331,35 +4402,35 @@ function _r({ store: e, state: t, plan: n }) {
 					" ",
 					n.error.why,
 					" ",
-					/* @__PURE__ */ z("em", { children: n.error.try })
+					/* @__PURE__ */ B("em", { children: n.error.try })
 				]
 			}),
-			S ? /* @__PURE__ */ z("p", {
+			S ? /* @__PURE__ */ B("p", {
 				class: "hint",
 				children: [
 					S.why,
 					". ",
-					vr(n, r.view) || S.try
+					xr(n, r.view) || S.try
 				]
-			}) : b ? b.view === "table" ? /* @__PURE__ */ z(xr, {
+			}) : b ? b.view === "table" ? /* @__PURE__ */ B(wr, {
 				found: b,
 				open: m,
 				turn: (e) => l({ first: e })
-			}) : b.view === "family" ? /* @__PURE__ */ z($n, {
+			}) : b.view === "family" ? /* @__PURE__ */ B(nr, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
 				chosen: i,
 				choose: u,
 				open: m
-			}) : b.view === "tornado" ? /* @__PURE__ */ z(ir, {
+			}) : b.view === "tornado" ? /* @__PURE__ */ B(sr, {
 				found: b,
 				wide: a,
 				open: m
-			}) : b.view === "sobol" ? /* @__PURE__ */ z(ar, {
+			}) : b.view === "sobol" ? /* @__PURE__ */ B(cr, {
 				found: b,
 				wide: a
-			}) : /* @__PURE__ */ z(dr, {
+			}) : /* @__PURE__ */ B(mr, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
@@ -4367,48 +4438,48 @@ function _r({ store: e, state: t, plan: n }) {
 				chosen: i,
 				choose: u,
 				open: m
-			}) : /* @__PURE__ */ z("p", {
+			}) : /* @__PURE__ */ B("p", {
 				class: "hint",
 				children: n.kept ? "…" : n.state === "running" ? "The first runs are on their way …" : "No run was done."
 			})
 		]
 	});
 }
-function vr(e, t) {
+function xr(e, t) {
 	let n = e.way.split(":")[0];
 	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
 }
-function yr({ store: e, plan: t }) {
+function Sr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
-	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
-		/* @__PURE__ */ z("progress", {
+	return t.state === "running" ? /* @__PURE__ */ B(x, { children: [
+		/* @__PURE__ */ B("progress", {
 			"aria-label": "Progress of the sweep",
 			max: t.members,
 			value: t.done
 		}),
-		/* @__PURE__ */ z("span", { children: [
+		/* @__PURE__ */ B("span", { children: [
 			t.done,
 			" of ",
 			t.members,
 			" runs",
 			n
 		] }),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("button", {
 			onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
 			children: "Cancel"
 		})
-	] }) : /* @__PURE__ */ z("span", {
+	] }) : /* @__PURE__ */ B("span", {
 		role: "status",
 		children: [
-			/* @__PURE__ */ z("b", { children: r }),
+			/* @__PURE__ */ B("b", { children: r }),
 			": ",
 			t.state === "done" ? `${t.members} runs` : `${t.kept} of ${t.members} runs, ${t.state === "cancelled" ? "cancelled" : "stopped"}`
 		]
 	});
 }
-function br({ store: e, plan: t, chosen: n, choose: r, open: i }) {
-	let [a, o] = B(null);
-	xt(() => {
+function Cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+	let [a, o] = H(null);
+	yt(() => {
 		if (o(null), n === null) return;
 		let r = !1;
 		return e.transport.ask("plan member", {
@@ -4431,9 +4502,9 @@ function br({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		})) return;
 		await e.start();
 	};
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "plotbar one",
-		children: [/* @__PURE__ */ z("label", { children: ["run", /* @__PURE__ */ z("input", {
+		children: [/* @__PURE__ */ B("label", { children: ["run", /* @__PURE__ */ B("input", {
 			type: "number",
 			"aria-label": "Run of the sweep",
 			min: 0,
@@ -4444,64 +4515,64 @@ function br({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 				let n = Number(e.currentTarget.value);
 				e.currentTarget.value && Number.isInteger(n) && n >= 0 && n < t.members && r(n);
 			}
-		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
-			/* @__PURE__ */ z("output", { children: [
-				s.map(([e, t]) => `${e} = ${Cr(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${Sr(a.row[e.name])}`).join(""),
+		})] }), n !== null && /* @__PURE__ */ B(x, { children: [
+			/* @__PURE__ */ B("output", { children: [
+				s.map(([e, t]) => `${e} = ${Er(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${Tr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
-			/* @__PURE__ */ z("button", {
+			/* @__PURE__ */ B("button", {
 				onClick: () => i(n),
 				children: "Open"
 			}),
-			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ z("button", {
+			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ B("button", {
 				onClick: () => void l(),
 				children: "Take these values"
 			})
 		] })]
 	});
 }
-function xr({ found: e, open: t, turn: n }) {
+function wr({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
 		"warnings"
 	].includes(e.columns[t].name) || e.rows.some((e) => e[t])), i = new Set(r.filter((t) => e.rows.some((e) => typeof e[t] == "number"))), a = e.first + e.rows.length;
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "rows",
-		children: [/* @__PURE__ */ z("div", {
+		children: [/* @__PURE__ */ B("div", {
 			class: "tables",
 			tabindex: 0,
 			role: "region",
 			"aria-label": "Table of the sweep",
-			children: /* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: r.map((t) => /* @__PURE__ */ z("th", {
+			children: /* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: r.map((t) => /* @__PURE__ */ B("th", {
 				scope: "col",
 				class: i.has(t) ? "figure" : "",
 				children: [e.columns[t].name, e.columns[t].unit && ` [${e.columns[t].unit}]`]
-			})) }) }), /* @__PURE__ */ z("tbody", { children: e.rows.map((e) => /* @__PURE__ */ z("tr", { children: r.map((n) => /* @__PURE__ */ z("td", {
+			})) }) }), /* @__PURE__ */ B("tbody", { children: e.rows.map((e) => /* @__PURE__ */ B("tr", { children: r.map((n) => /* @__PURE__ */ B("td", {
 				class: i.has(n) ? "figure" : "",
-				children: n === 0 ? /* @__PURE__ */ z("button", {
+				children: n === 0 ? /* @__PURE__ */ B("button", {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : Sr(e[n])
+				}) : Tr(e[n])
 			})) })) })] })
-		}), /* @__PURE__ */ z("div", {
+		}), /* @__PURE__ */ B("div", {
 			class: "plotbar",
 			children: [
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					disabled: !e.first,
 					onClick: () => n(Math.max(e.first - 200, 0)),
 					children: "Before"
 				}),
-				/* @__PURE__ */ z("span", { children: [
+				/* @__PURE__ */ B("span", { children: [
 					e.first,
 					" to ",
 					a - 1,
 					" of ",
 					e.kept
 				] }),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					disabled: a >= e.kept,
 					onClick: () => n(a),
 					children: "After"
@@ -4510,14 +4581,14 @@ function xr({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function Sr(e) {
-	return typeof e == "number" ? G(e) : e ?? "none";
+function Tr(e) {
+	return typeof e == "number" ? q(e) : e ?? "none";
 }
-function Cr(e) {
+function Er(e) {
 	let [t, ...n] = String(e).split(" ");
-	return Number.isFinite(Number(t)) ? [G(Number(t)), ...n].join(" ") : String(e);
+	return Number.isFinite(Number(t)) ? [q(Number(t)), ...n].join(" ") : String(e);
 }
-function wr(e, t) {
+function Dr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4534,7 +4605,7 @@ function wr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function Tr(e) {
+function Or(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4544,19 +4615,19 @@ function Tr(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...wr(e, i)
+		...Dr(e, i)
 	};
 }
-function Er(e, t, n) {
-	let [r, i] = B({
+function kr(e, t, n) {
+	let [r, i] = H({
 		key: "",
 		seen: null,
 		refused: null
-	}), a = JSON.stringify([t.plan, n]), o = St({
+	}), a = JSON.stringify([t.plan, n]), o = bt({
 		key: "",
 		kept: -1,
 		ended: !1
-	}), s = St(!1), c = St(!1), l = async () => {
+	}), s = bt(!1), c = bt(!1), l = async () => {
 		if (s.current) return;
 		s.current = !0;
 		let t = "";
@@ -4582,14 +4653,14 @@ function Er(e, t, n) {
 					refused: t
 				});
 			}
-			let c = n.key === o.current.key, l = Math.max(hr, gr * (performance.now() - s));
+			let c = n.key === o.current.key, l = Math.max(vr, yr * (performance.now() - s));
 			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
 	};
-	return xt(() => (c.current = !1, () => {
+	return yt(() => (c.current = !1, () => {
 		c.current = !0;
-	}), []), xt(() => {
+	}), []), yt(() => {
 		o.current = {
 			key: a,
 			kept: t.kept,
@@ -4601,7 +4672,7 @@ function Er(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function Dr(e, t) {
+async function Ar(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4610,65 +4681,65 @@ async function Dr(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var Or = !0, kr = "uplot", Ar = "u-hz", jr = "u-vt", Mr = "u-title", Nr = "u-wrap", Pr = "u-under", Fr = "u-over", Ir = "u-axis", Lr = "u-off", Rr = "u-select", zr = "u-cursor-x", Br = "u-cursor-y", Vr = "u-cursor-pt", Hr = "u-legend", Ur = "u-live", Wr = "u-inline", Gr = "u-series", Kr = "u-marker", qr = "u-label", Jr = "u-value", Yr = "width", Xr = "height", Zr = "top", Qr = "bottom", $r = "left", ei = "right", ti = "#000", ni = "#0000", ri = "mousemove", ii = "mousedown", ai = "mouseup", oi = "mouseenter", si = "mouseleave", ci = "dblclick", li = "resize", ui = "scroll", di = "change", fi = "dppxchange", pi = "--", mi = typeof window < "u", hi = mi ? document : null, gi = mi ? window : null, _i = mi ? navigator : null, J, vi;
-function yi() {
+var jr = !0, Mr = "uplot", Nr = "u-hz", Pr = "u-vt", Fr = "u-title", Ir = "u-wrap", Lr = "u-under", Rr = "u-over", zr = "u-axis", Br = "u-off", Vr = "u-select", Hr = "u-cursor-x", Ur = "u-cursor-y", Wr = "u-cursor-pt", Gr = "u-legend", Kr = "u-live", qr = "u-inline", Jr = "u-series", Yr = "u-marker", Xr = "u-label", Zr = "u-value", Qr = "width", $r = "height", ei = "top", ti = "bottom", ni = "left", ri = "right", ii = "#000", ai = "#0000", oi = "mousemove", si = "mousedown", ci = "mouseup", li = "mouseenter", ui = "mouseleave", di = "dblclick", fi = "resize", pi = "scroll", mi = "change", hi = "dppxchange", gi = "--", _i = typeof window < "u", vi = _i ? document : null, yi = _i ? window : null, bi = _i ? navigator : null, J, xi;
+function Si() {
 	let e = devicePixelRatio;
-	J != e && (J = e, vi && Pi(di, vi, yi), vi = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Ni(di, vi, yi), gi.dispatchEvent(new CustomEvent(fi)));
+	J != e && (J = e, xi && Li(mi, xi, Si), xi = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Ii(mi, xi, Si), yi.dispatchEvent(new CustomEvent(hi)));
 }
-function bi(e, t) {
+function Ci(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function xi(e, t) {
+function wi(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function Si(e, t, n) {
+function Ti(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Ci(e, t, n, r) {
-	let i = hi.createElement(e);
-	return t != null && bi(i, t), n?.insertBefore(i, r), i;
+function Ei(e, t, n, r) {
+	let i = vi.createElement(e);
+	return t != null && Ci(i, t), n?.insertBefore(i, r), i;
 }
-function wi(e, t) {
-	return Ci("div", e, t);
+function Di(e, t) {
+	return Ei("div", e, t);
 }
-var Ti = /* @__PURE__ */ new WeakMap();
-function Ei(e, t, n, r, i) {
+var Oi = /* @__PURE__ */ new WeakMap();
+function ki(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != Ti.get(e) && (e.style.transform = a, Ti.set(e, a), t < 0 || n < 0 || t > r || n > i ? bi(e, Lr) : xi(e, Lr));
+	a != Oi.get(e) && (e.style.transform = a, Oi.set(e, a), t < 0 || n < 0 || t > r || n > i ? Ci(e, Br) : wi(e, Br));
 }
-var Di = /* @__PURE__ */ new WeakMap();
-function Oi(e, t, n) {
+var Ai = /* @__PURE__ */ new WeakMap();
+function ji(e, t, n) {
 	let r = t + n;
-	r != Di.get(e) && (Di.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != Ai.get(e) && (Ai.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var ki = /* @__PURE__ */ new WeakMap();
-function Ai(e, t, n, r) {
+var Mi = /* @__PURE__ */ new WeakMap();
+function Ni(e, t, n, r) {
 	let i = t + "" + n;
-	i != ki.get(e) && (ki.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != Mi.get(e) && (Mi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var ji = { passive: !0 }, Mi = {
-	...ji,
+var Pi = { passive: !0 }, Fi = {
+	...Pi,
 	capture: !0
 };
-function Ni(e, t, n, r) {
-	t.addEventListener(e, n, r ? Mi : ji);
+function Ii(e, t, n, r) {
+	t.addEventListener(e, n, r ? Fi : Pi);
 }
-function Pi(e, t, n, r) {
-	t.removeEventListener(e, n, ji);
+function Li(e, t, n, r) {
+	t.removeEventListener(e, n, Pi);
 }
-mi && yi();
-function Fi(e, t, n, r) {
+_i && Si();
+function Ri(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : na((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : aa((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Ii(e) {
+function zi(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4682,9 +4753,9 @@ function Ii(e) {
 		return [i, a];
 	};
 }
-var Li = (e) => e != null, Ri = (e) => e != null && e > 0, zi = Ii(Li), Bi = Ii(Ri);
-function Vi(e, t, n, r = 0, i = !1) {
-	let a = i ? Bi : zi, o = i ? Ri : Li;
+var Bi = (e) => e != null, Vi = (e) => e != null && e > 0, Hi = zi(Bi), Ui = zi(Vi);
+function Wi(e, t, n, r = 0, i = !1) {
+	let a = i ? Ui : Hi, o = i ? Vi : Bi;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4695,106 +4766,106 @@ function Vi(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? pa, c ?? -pa];
+	return [s ?? ga, c ?? -ga];
 }
-function Hi(e, t, n, r) {
-	let i = ca(e), a = ca(t);
+function Gi(e, t, n, r) {
+	let i = da(e), a = da(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? la : ua, s = i == 1 ? na : ia, c = a == 1 ? ia : na, l = s(o(ta(e))), u = c(o(ta(t))), d = sa(n, l), f = sa(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Da(e, d), t = Ea(t, f)), [e, t];
+	let o = n == 10 ? fa : pa, s = i == 1 ? aa : sa, c = a == 1 ? sa : aa, l = s(o(ia(e))), u = c(o(ia(t))), d = ua(n, l), f = ua(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Aa(e, d), t = ka(t, f)), [e, t];
 }
-function Ui(e, t, n, r) {
-	let i = Hi(e, t, n, r);
+function Ki(e, t, n, r) {
+	let i = Gi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Wi = .1, Gi = {
+var qi = .1, Ji = {
 	mode: 3,
-	pad: Wi
-}, Ki = {
+	pad: qi
+}, Yi = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, qi = {
-	min: Ki,
-	max: Ki
+}, Xi = {
+	min: Yi,
+	max: Yi
 };
-function Ji(e, t, n, r) {
-	return Ra(n) ? Xi(e, t, n) : (Ki.pad = n, Ki.soft = r ? 0 : null, Ki.mode = r ? 3 : 0, Xi(e, t, qi));
+function Zi(e, t, n, r) {
+	return Va(n) ? $i(e, t, n) : (Yi.pad = n, Yi.soft = r ? 0 : null, Yi.mode = r ? 3 : 0, $i(e, t, Xi));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function Yi(e, t, n) {
+function Qi(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Xi(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -pa), c = Y(i.hard, pa), l = Y(r.soft, pa), u = Y(i.soft, -pa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = la(p), h = oa(ta(e), ta(t)), g = ta(la(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != pa && (a = 0), f == 2 && u != -pa && (o = 0)));
-	let _ = p || h || 1e3, v = sa(10, na(la(_))), y = Z(Da(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : pa, x = oa(s, y < b && e >= b ? b : aa(b, y)), S = Z(Ea(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -pa, w = aa(c, S > C && t <= C ? C : oa(C, S));
+function $i(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ga), c = Y(i.hard, ga), l = Y(r.soft, ga), u = Y(i.soft, -ga), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = fa(p), h = la(ia(e), ia(t)), g = ia(fa(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ga && (a = 0), f == 2 && u != -ga && (o = 0)));
+	let _ = p || h || 1e3, v = ua(10, aa(fa(_))), y = Z(Aa(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ga, x = la(s, y < b && e >= b ? b : ca(b, y)), S = Z(ka(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ga, w = ca(c, S > C && t <= C ? C : la(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Zi = new Intl.NumberFormat(mi ? _i.language : "en-US"), Qi = (e) => Zi.format(e), $i = Math, ea = $i.PI, ta = $i.abs, na = $i.floor, ra = $i.round, ia = $i.ceil, aa = $i.min, oa = $i.max, sa = $i.pow, ca = $i.sign, la = $i.log10, ua = $i.log2, da = (e, t = 1) => $i.sinh(e) * t, fa = (e, t = 1) => $i.asinh(e / t), pa = Infinity;
-function ma(e) {
-	return (la((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var ea = new Intl.NumberFormat(_i ? bi.language : "en-US"), ta = (e) => ea.format(e), na = Math, ra = na.PI, ia = na.abs, aa = na.floor, oa = na.round, sa = na.ceil, ca = na.min, la = na.max, ua = na.pow, da = na.sign, fa = na.log10, pa = na.log2, ma = (e, t = 1) => na.sinh(e) * t, ha = (e, t = 1) => na.asinh(e / t), ga = Infinity;
+function _a(e) {
+	return (fa((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function ha(e, t, n) {
-	return aa(oa(e, t), n);
+function va(e, t, n) {
+	return ca(la(e, t), n);
 }
-function ga(e) {
+function ya(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return ga(e) ? e : () => e;
+	return ya(e) ? e : () => e;
 }
-var _a = () => {}, va = (e) => e, ya = (e, t) => t, ba = (e) => null, xa = (e) => !0, Sa = (e, t) => e == t, Ca = /\.\d*?(?=9{6,}|0{6,})/gm, wa = (e) => {
-	if (Fa(e) || Oa.has(e)) return e;
-	let t = `${e}`, n = t.match(Ca);
+var ba = () => {}, xa = (e) => e, Sa = (e, t) => t, Ca = (e) => null, wa = (e) => !0, Ta = (e, t) => e == t, Ea = /\.\d*?(?=9{6,}|0{6,})/gm, Da = (e) => {
+	if (Ra(e) || ja.has(e)) return e;
+	let t = `${e}`, n = t.match(Ea);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${wa(e)}e${n}`;
+		return +`${Da(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function Ta(e, t) {
-	return wa(Z(wa(e / t)) * t);
+function Oa(e, t) {
+	return Da(Z(Da(e / t)) * t);
 }
-function Ea(e, t) {
-	return wa(ia(wa(e / t)) * t);
+function ka(e, t) {
+	return Da(sa(Da(e / t)) * t);
 }
-function Da(e, t) {
-	return wa(na(wa(e / t)) * t);
+function Aa(e, t) {
+	return Da(aa(Da(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Fa(e)) return e;
+	if (Ra(e)) return e;
 	let n = 10 ** t;
-	return ra(e * n * (1 + 2 ** -52)) / n;
+	return oa(e * n * (1 + 2 ** -52)) / n;
 }
-var Oa = /* @__PURE__ */ new Map();
-function ka(e) {
+var ja = /* @__PURE__ */ new Map();
+function Ma(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Aa(e, t, n, r) {
-	let i = [], a = r.map(ka);
+function Na(e, t, n, r) {
+	let i = [], a = r.map(Ma);
 	for (let o = t; o < n; o++) {
-		let t = ta(o), n = Z(sa(e, o), t);
+		let t = ia(o), n = Z(ua(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), Oa.set(u, l);
+			i.push(u), ja.set(u, l);
 		}
 	}
 	return i;
 }
-var ja = {}, Ma = [], Na = [null, null], Pa = Array.isArray, Fa = Number.isInteger, Ia = (e) => e === void 0;
-function La(e) {
+var Pa = {}, Fa = [], Ia = [null, null], La = Array.isArray, Ra = Number.isInteger, za = (e) => e === void 0;
+function Ba(e) {
 	return typeof e == "string";
 }
-function Ra(e) {
+function Va(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4802,35 +4873,35 @@ function Ra(e) {
 	}
 	return t;
 }
-function za(e) {
+function Ha(e) {
 	return typeof e == "object" && !!e;
 }
-var Ba = Object.getPrototypeOf(Uint8Array), Va = "__proto__";
-function Ha(e, t = Ra) {
+var Ua = Object.getPrototypeOf(Uint8Array), Wa = "__proto__";
+function Ga(e, t = Va) {
 	let n;
-	if (Pa(e)) {
+	if (La(e)) {
 		let r = e.find((e) => e != null);
-		if (Pa(r) || t(r)) {
+		if (La(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Ha(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Ga(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Ba) n = e.slice();
+	} else if (e instanceof Ua) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Va && (n[r] = Ha(e[r], t));
+		for (let r in e) r != Wa && (n[r] = Ga(e[r], t));
 	} else n = e;
 	return n;
 }
-function Ua(e) {
+function Ka(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Va && (Ra(e[t]) ? Ua(e[t], Ha(r[t])) : e[t] = Ha(r[t]));
+		for (let t in r) t != Wa && (Va(e[t]) ? Ka(e[t], Ga(r[t])) : e[t] = Ga(r[t]));
 	}
 	return e;
 }
-var Wa = 0, Ga = 1, Ka = 2;
-function qa(e, t, n) {
+var qa = 0, Ja = 1, Ya = 2;
+function Xa(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4839,11 +4910,11 @@ function qa(e, t, n) {
 		}
 	}
 }
-function Ja(e, t) {
-	if (Za(e)) {
+function Za(e, t) {
+	if (eo(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return Qa(t[0]) || (t = Xa(t)), t;
+		return to(t[0]) || (t = $a(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4855,18 +4926,18 @@ function Ja(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ga, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ja, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Wa && (l[n] = t, u == Ka && d.push(n)) : l[n] = t;
+				t === null ? u != qa && (l[n] = t, u == Ya && d.push(n)) : l[n] = t;
 			}
-			qa(l, d, i), r.push(l);
+			Xa(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Ya = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Xa(e) {
+var Qa = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function $a(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4878,7 +4949,7 @@ function Xa(e) {
 	}
 	return i;
 }
-function Za(e) {
+function eo(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4889,14 +4960,14 @@ function Za(e) {
 	}
 	return !0;
 }
-function Qa(e, t = 100) {
+function to(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = oa(1, na((i - r + 1) / t));
+	let a = la(1, aa((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4906,7 +4977,7 @@ function Qa(e, t = 100) {
 	}
 	return !0;
 }
-var $a = [
+var no = [
 	"January",
 	"February",
 	"March",
@@ -4919,7 +4990,7 @@ var $a = [
 	"October",
 	"November",
 	"December"
-], eo = [
+], ro = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4928,33 +4999,33 @@ var $a = [
 	"Friday",
 	"Saturday"
 ];
-function to(e) {
+function io(e) {
 	return e.slice(0, 3);
 }
-var no = eo.map(to), ro = {
-	MMMM: $a,
-	MMM: $a.map(to),
-	WWWW: eo,
-	WWW: no
+var ao = ro.map(io), oo = {
+	MMMM: no,
+	MMM: no.map(io),
+	WWWW: ro,
+	WWW: ao
 };
-function io(e) {
+function so(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function ao(e) {
+function co(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var oo = {
+var lo = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => io(e.getMonth() + 1),
+	MM: (e) => so(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => io(e.getDate()),
+	DD: (e) => so(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => io(e.getHours()),
+	HH: (e) => so(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -4963,35 +5034,35 @@ var oo = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => io(e.getMinutes()),
+	mm: (e) => so(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => io(e.getSeconds()),
+	ss: (e) => so(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => ao(e.getMilliseconds())
+	fff: (e) => co(e.getMilliseconds())
 };
-function so(e, t) {
-	t ||= ro;
+function uo(e, t) {
+	t ||= oo;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? oo[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? lo[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var co = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function lo(e, t) {
+var fo = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function po(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == co ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == fo ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var uo = (e) => e % 1 == 0, fo = [
+var mo = (e) => e % 1 == 0, ho = [
 	1,
 	2,
 	2.5,
 	5
-], po = Aa(10, -32, 0, fo), mo = Aa(10, 0, 32, fo), ho = mo.filter(uo), go = po.concat(mo), _o = "\n", vo = "{YYYY}", yo = _o + vo, bo = "{M}/{D}", xo = _o + bo, So = xo + "/{YY}", Co = "{aa}", wo = "{h}:{mm}" + Co, To = _o + wo, Eo = ":{ss}", Q = null;
-function Do(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Aa(10, 0, 3, fo).filter(uo) : Aa(10, -3, 0, fo)).concat([
+], go = Na(10, -32, 0, ho), _o = Na(10, 0, 32, ho), vo = _o.filter(mo), yo = go.concat(_o), bo = "\n", xo = "{YYYY}", So = bo + xo, Co = "{M}/{D}", wo = bo + Co, To = wo + "/{YY}", Eo = "{aa}", Do = "{h}:{mm}" + Eo, Oo = bo + Do, ko = ":{ss}", Q = null;
+function Ao(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Na(10, 0, 3, ho).filter(mo) : Na(10, -3, 0, ho)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -5035,7 +5106,7 @@ function Do(e) {
 	]), c = [
 		[
 			o,
-			vo,
+			xo,
 			Q,
 			Q,
 			Q,
@@ -5047,7 +5118,7 @@ function Do(e) {
 		[
 			i * 28,
 			"{MMM}",
-			yo,
+			So,
 			Q,
 			Q,
 			Q,
@@ -5057,8 +5128,8 @@ function Do(e) {
 		],
 		[
 			i,
-			bo,
-			yo,
+			Co,
+			So,
 			Q,
 			Q,
 			Q,
@@ -5068,10 +5139,10 @@ function Do(e) {
 		],
 		[
 			r,
-			"{h}" + Co,
-			So,
+			"{h}" + Eo,
+			To,
 			Q,
-			xo,
+			wo,
 			Q,
 			Q,
 			Q,
@@ -5079,10 +5150,10 @@ function Do(e) {
 		],
 		[
 			n,
-			wo,
-			So,
+			Do,
+			To,
 			Q,
-			xo,
+			wo,
 			Q,
 			Q,
 			Q,
@@ -5090,42 +5161,42 @@ function Do(e) {
 		],
 		[
 			t,
-			Eo,
-			So + " " + wo,
+			ko,
+			To + " " + Do,
 			Q,
-			xo + " " + wo,
+			wo + " " + Do,
 			Q,
-			To,
+			Oo,
 			Q,
 			1
 		],
 		[
 			e,
-			Eo + ".{fff}",
-			So + " " + wo,
+			ko + ".{fff}",
+			To + " " + Do,
 			Q,
-			xo + " " + wo,
+			wo + " " + Do,
 			Q,
-			To,
+			Oo,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Lo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Bo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Lo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(ra(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Bo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(oa(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Lo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Bo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (na(l) - na(_)) + Ea(_ - y, a);
+				let a = d >= i ? i : d, o = y + (aa(l) - aa(_)) + ka(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = na(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = aa(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5140,12 +5211,12 @@ function Do(e) {
 		l
 	];
 }
-var [Oo, ko, Ao] = Do(1), [jo, Mo, No] = Do(.001);
-Aa(2, -53, 53, [1]);
-function Po(e, t) {
+var [jo, Mo, No] = Ao(1), [Po, Fo, Io] = Ao(.001);
+Na(2, -53, 53, [1]);
+function Lo(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Fo(e, t) {
+function Ro(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5154,98 +5225,98 @@ function Fo(e, t) {
 		});
 	};
 }
-function Io(e, t) {
-	let n = so(t);
+function zo(e, t) {
+	let n = uo(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Lo(e, t, n) {
+function Bo(e, t, n) {
 	return new Date(e, t, n);
 }
-function Ro(e, t) {
+function Vo(e, t) {
 	return t(e);
 }
-var zo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Bo(e, t) {
-	return (n, r, i, a) => a == null ? pi : t(e(r));
+var Ho = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function Uo(e, t) {
+	return (n, r, i, a) => a == null ? gi : t(e(r));
 }
-function Vo(e, t) {
+function Wo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Ho(e, t) {
+function Go(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Uo = {
+var Ko = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: _a,
+	mount: ba,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Vo,
-		fill: Ho,
+		stroke: Wo,
+		fill: Go,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Wo(e, t) {
-	let n = e.cursor.points, r = wi(), i = n.size(e, t);
-	Si(r, Yr, i), Si(r, Xr, i);
+function qo(e, t) {
+	let n = e.cursor.points, r = Di(), i = n.size(e, t);
+	Ti(r, Qr, i), Ti(r, $r, i);
 	let a = i / -2;
-	Si(r, "marginLeft", a), Si(r, "marginTop", a);
+	Ti(r, "marginLeft", a), Ti(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && Si(r, "borderWidth", o), r;
+	return o && Ti(r, "borderWidth", o), r;
 }
-function Go(e, t) {
+function Jo(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function Ko(e, t) {
+function Yo(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function qo(e, t) {
+function Xo(e, t) {
 	return e.series[t].points.size;
 }
-var Jo = [0, 0];
-function Yo(e, t, n) {
-	return Jo[0] = t, Jo[1] = n, Jo;
+var Zo = [0, 0];
+function Qo(e, t, n) {
+	return Zo[0] = t, Zo[1] = n, Zo;
 }
-function Xo(e, t, n, r = !0) {
+function $o(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function Zo(e, t, n, r = !0) {
+function es(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var Qo = {
+var ts = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Yo,
+	move: Qo,
 	points: {
 		one: !1,
-		show: Wo,
-		size: qo,
+		show: qo,
+		size: Xo,
 		width: 0,
-		stroke: Ko,
-		fill: Go
+		stroke: Yo,
+		fill: Jo
 	},
 	bind: {
-		mousedown: Xo,
-		mouseup: Xo,
-		click: Xo,
-		dblclick: Xo,
-		mousemove: Zo,
-		mouseleave: Zo,
-		mouseenter: Zo
+		mousedown: $o,
+		mouseup: $o,
+		click: $o,
+		dblclick: $o,
+		mousemove: es,
+		mouseleave: es,
+		mouseenter: es
 	},
 	drag: {
 		setScale: !0,
@@ -5275,139 +5346,139 @@ var Qo = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, $o = {
+}, ns = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, es = Ua({}, $o, { filter: ya }), ts = Ua({}, es, { size: 10 }), ns = Ua({}, $o, { show: !1 }), rs = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", is = "bold " + rs, as = 1.5, os = {
+}, rs = Ka({}, ns, { filter: Sa }), is = Ka({}, rs, { size: 10 }), as = Ka({}, ns, { show: !1 }), os = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", ss = "bold " + os, cs = 1.5, ls = {
 	show: !0,
 	scale: "x",
-	stroke: ti,
+	stroke: ii,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: is,
+	labelFont: ss,
 	side: 2,
-	grid: es,
-	ticks: ts,
-	border: ns,
-	font: rs,
-	lineGap: as,
+	grid: rs,
+	ticks: is,
+	border: as,
+	font: os,
+	lineGap: cs,
 	rotate: 0
-}, ss = "Value", cs = "Time", ls = {
+}, us = "Value", ds = "Time", fs = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: pa,
+	min: ga,
 	max: -Infinity,
 	idxs: []
 };
-function us(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Qi(e));
+function ps(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : ta(e));
 }
-function ds(e, t, n, r, i, a, o) {
-	let s = [], c = Oa.get(i) || 0;
-	n = o ? n : Z(Ea(n, i), c);
+function ms(e, t, n, r, i, a, o) {
+	let s = [], c = ja.get(i) || 0;
+	n = o ? n : Z(ka(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function fs(e, t, n, r, i, a, o) {
+function hs(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = sa(c, na((c == 10 ? la : ua)(n))), c == 10 && (i = go[Fi(i, go)]);
+	i = ua(c, aa((c == 10 ? fa : pa)(n))), c == 10 && (i = yo[Ri(i, yo)]);
 	let l = n, u = i * c;
-	c == 10 && (u = go[Fi(u, go)]);
+	c == 10 && (u = yo[Ri(u, yo)]);
 	do
-		s.push(l), l += i, c == 10 && !Oa.has(l) && (l = Z(l, Oa.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = go[Fi(u, go)]));
+		s.push(l), l += i, c == 10 && !ja.has(l) && (l = Z(l, ja.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = yo[Ri(u, yo)]));
 	while (l <= r);
 	return s;
 }
-function ps(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? fs(e, t, oa(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? fs(e, t, oa(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function gs(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? hs(e, t, la(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? hs(e, t, la(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var ms = /./, hs = /[12357]/, gs = /[125]/, _s = /1/, vs = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function ys(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? ms : c(7, o) - u >= l ? hs : c(5, o) - u >= l ? gs : _s;
-	if (d == _s) {
-		let e = ta(c(1, o) - u);
-		if (e < l) return vs(t.slice().reverse(), s.distr, d, ia(l / e)).reverse();
+var _s = /./, vs = /[12357]/, ys = /[125]/, bs = /1/, xs = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function Ss(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? _s : c(7, o) - u >= l ? vs : c(5, o) - u >= l ? ys : bs;
+	if (d == bs) {
+		let e = ia(c(1, o) - u);
+		if (e < l) return xs(t.slice().reverse(), s.distr, d, sa(l / e)).reverse();
 	}
-	return vs(t, s.distr, d, 1);
+	return xs(t, s.distr, d, 1);
 }
-function bs(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = ta(c(1, o) - c(2, o));
-	return l < s ? vs(t.slice().reverse(), 3, ms, ia(s / l)).reverse() : t;
+function Cs(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = ia(c(1, o) - c(2, o));
+	return l < s ? xs(t.slice().reverse(), 3, _s, sa(s / l)).reverse() : t;
 }
-function xs(e, t, n, r) {
-	return r == null ? pi : t == null ? "" : Qi(t);
+function ws(e, t, n, r) {
+	return r == null ? gi : t == null ? "" : ta(t);
 }
-var Ss = {
+var Ts = {
 	show: !0,
 	scale: "y",
-	stroke: ti,
+	stroke: ii,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: is,
+	labelFont: ss,
 	side: 3,
-	grid: es,
-	ticks: ts,
-	border: ns,
-	font: rs,
-	lineGap: as,
+	grid: rs,
+	ticks: is,
+	border: as,
+	font: os,
+	lineGap: cs,
 	rotate: 0
 };
-function Cs(e, t) {
+function Es(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function ws(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = ta(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
+function Ds(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = ia(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
 	return r[1] - r[0] <= o;
 }
-var Ts = {
+var Os = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: pa,
+	min: ga,
 	max: -Infinity
-}, Es = (e, t, n, r, i) => i, Ds = {
+}, ks = (e, t, n, r, i) => i, As = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: Es,
+	gaps: ks,
 	alpha: 1,
-	facets: [Ua({}, Ts, { scale: "x" }), Ua({}, Ts, { scale: "y" })]
-}, Os = {
+	facets: [Ka({}, Os, { scale: "x" }), Ka({}, Os, { scale: "y" })]
+}, js = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: Es,
+	gaps: ks,
 	alpha: 1,
 	points: {
-		show: ws,
+		show: Ds,
 		filter: null
 	},
 	values: null,
-	min: pa,
+	min: ga,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function ks(e, t, n, r, i) {
+function Ms(e, t, n, r, i) {
 	return n / 10;
 }
-var As = {
-	time: Or,
+var Ns = {
+	time: jr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5416,12 +5487,12 @@ var As = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, js = Ua({}, As, {
+}, Ps = Ka({}, Ns, {
 	time: !1,
 	ori: 1
-}), Ms = {};
-function Ns(e, t) {
-	let n = Ms[e];
+}), Fs = {};
+function Is(e, t) {
+	let n = Fs[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5434,38 +5505,38 @@ function Ns(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Ms[e] = n)), n;
+	}, e != null && (Fs[e] = n)), n;
 }
-var Ps = 1, Fs = 2;
-function Is(e, t, n) {
+var Ls = 1, Rs = 2;
+function zs(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Gs, qs, Ys, Zs, $s) : n(i, c, l, u, d, _, g, p, f, h, m, Ks, Js, Xs, Qs, ec);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Js, Xs, Qs, ec, nc) : n(i, c, l, u, d, _, g, p, f, h, m, Ys, Zs, $s, tc, rc);
 }
-function Ls(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, Ma);
+function Bs(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, Fa);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Rs(e, t, n, r, i) {
+function Vs(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function zs(e, t, n, r, i, a) {
-	return Is(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? qs : Js, v, y;
+function Hs(e, t, n, r, i, a) {
+	return zs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Xs : Zs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Bs(e, t, n, r, i, a) {
+function Us(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Ys : Xs, c = n;
+		let s = t == 0 ? Qs : $s, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5478,11 +5549,11 @@ function Bs(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Vs(e, t, n) {
+function Ws(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Hs(e, t, n, r, i, a, o) {
+function Gs(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5495,11 +5566,11 @@ function Hs(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Us(e) {
-	return e == 0 ? va : e == 1 ? ra : (t) => Ta(t, e);
+function Ks(e) {
+	return e == 0 ? xa : e == 1 ? oa : (t) => Oa(t, e);
 }
-function Ws(e) {
-	let t = e == 0 ? Gs : Ks, n = e == 0 ? (e, t, n, r, i, a) => {
+function qs(e) {
+	let t = e == 0 ? Js : Ys, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5509,36 +5580,36 @@ function Ws(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = aa(c, o / 2, s / 2), l = aa(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = ca(c, o / 2, s / 2), l = ca(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Gs = (e, t, n) => {
+var Js = (e, t, n) => {
 	e.moveTo(t, n);
-}, Ks = (e, t, n) => {
+}, Ys = (e, t, n) => {
 	e.moveTo(n, t);
-}, qs = (e, t, n) => {
+}, Xs = (e, t, n) => {
 	e.lineTo(t, n);
-}, Js = (e, t, n) => {
+}, Zs = (e, t, n) => {
 	e.lineTo(n, t);
-}, Ys = Ws(0), Xs = Ws(1), Zs = (e, t, n, r, i, a) => {
+}, Qs = qs(0), $s = qs(1), ec = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, Qs = (e, t, n, r, i, a) => {
+}, tc = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, $s = (e, t, n, r, i, a, o) => {
+}, nc = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, ec = (e, t, n, r, i, a, o) => {
+}, rc = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function tc(e) {
-	return (e, t, n, r, i) => Is(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function ic(e) {
+	return (e, t, n, r, i) => zs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Gs, v = Zs) : (_ = Ks, v = Qs);
+		s.ori == 0 ? (_ = Js, v = ec) : (_ = Ys, v = tc);
 		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Ys(C, w - x, T - x, E + x * 2, D + x * 2);
+		Qs(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, ea * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, ra * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5551,25 +5622,25 @@ function tc(e) {
 		};
 	});
 }
-function nc(e) {
+function ac(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var rc = nc(qs), ic = nc(Js);
-function ac(e) {
+var oc = ac(Xs), sc = ac(Zs);
+function cc(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => Is(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = zi(s, r, i);
+	return (e, n, r, i) => zs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Hi(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = qs, b = rc) : (y = Js, b = ic);
+		c.ori == 0 ? (y = Xs, b = oc) : (y = Zs, b = sc);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ps
+			flags: Ls
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5582,29 +5653,29 @@ function ac(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Ls(e, n);
+		let [T, E] = Bs(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Hs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Bs(l, c.ori, f, p, m, h);
+			w && l.push(...Gs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Us(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [zs(e, n, r, i, C, -1), zs(e, n, r, i, C, 1)] : zs(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Hs(e, n, r, i, C, -1), Hs(e, n, r, i, C, 1)] : Hs(e, n, r, i, C, E)), S;
 	});
 }
-function oc(e) {
+function lc(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => Is(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = zi(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? qs : Js, T = {
+	return (e, a, o, s) => zs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Hi(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Xs : Zs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ps
+			flags: Ls
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5615,101 +5686,101 @@ function oc(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = Ls(e, a);
+		let [te, ne] = Bs(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Hs(l, u, o, s, D, S, r));
+			i.push(...Gs(l, u, o, s, D, S, r));
 			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Bs(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Us(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [zs(e, a, o, s, E, -1), zs(e, a, o, s, E, 1)] : zs(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [Hs(e, a, o, s, E, -1), Hs(e, a, o, s, E, 1)] : Hs(e, a, o, s, E, ne)), T;
 	});
 }
-function sc(e, t, n, r, i, a, o = pa) {
+function uc(e, t, n, r, i, a, o = ga) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = ta(e[c] - e[s]);
-				t < l && (l = t, o = ta(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = ia(e[c] - e[s]);
+				t < l && (l = t, o = ia(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function cc(e) {
-	e ||= ja;
+function dc(e) {
+	e ||= Pa;
 	let t = Y(e.size, [
 		.6,
-		pa,
+		ga,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], pa), c = Y(t[2], 1), l = Y(e.disp, ja), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Is(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+	let a = X(i), o = 1 - t[0], s = Y(t[1], ga), c = Y(t[2], 1), l = Y(e.disp, Pa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => zs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
 		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Ys : Xs, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Qs : $s, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, Ma).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, se = C, F = T(m.width * J), ce = !1, le = null, ue = null, de = null, fe = null;
-		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
-			e != null && ue.set(e, new Path2D());
-		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
-			e != null && fe.set(e, new Path2D());
+		}, re = Y(e.bands, Fa).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * J), se = !1, ce = null, le = null, ue = null, de = null;
+		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
+			e != null && le.set(e, new Path2D());
+		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
+			e != null && de.set(e, new Path2D());
 		})));
-		let { x0: pe, size: me } = l;
-		if (pe != null && me != null) {
-			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = me.values(e, t, i, p);
-			P = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), se = sc(h, g, y, _, C, x, se), oe = se - P + D;
-		} else se = sc(h, g, y, _, C, x, se), oe = se * o + D, P = se - oe;
-		oe < 1 && (oe = 0), F >= P / 2 && (F = 0), oe < 5 && (T = va);
-		let he = oe > 0, ge = se - oe - (he ? F : 0);
-		P = T(ha(ge, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
-		let _e = {
+		let { x0: fe, size: pe } = l;
+		if (fe != null && pe != null) {
+			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = pe.values(e, t, i, p);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = uc(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = uc(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = xa);
+		let me = oe > 0, he = F - oe - (me ? I : 0);
+		P = T(va(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		let ge = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, ve = ce ? null : new Path2D(), ye = null;
-		if (re != null) ye = e.data[re.series[1]];
+		}, _e = se ? null : new Path2D(), ve = null;
+		if (re != null) ve = e.data[re.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ye = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
 		}
-		let be = A * P, xe = j * P;
+		let ye = A * P, be = j * P;
 		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ye != null) {
-				let e = ye[n] ?? 0;
+			if (ve != null) {
+				let e = ve[n] ?? 0;
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(oa(a, M)), c = T(aa(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(la(a, M)), c = T(ca(a, M)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
-				ce ? (F > 0 && de[n] != null && te(fe.get(de[n]), o, c + na(F / 2), P, oa(0, u - F), i, a), le[n] != null && te(ue.get(le[n]), o, c + na(F / 2), P, oa(0, u - F), i, a)) : te(ve, o, c + na(F / 2), P, oa(0, u - F), i, a), ne(e, t, n, o - F / 2, c, P + F, u);
+				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + aa(I / 2), P, la(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + aa(I / 2), P, la(0, u - I), i, a)) : te(_e, o, c + aa(I / 2), P, la(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
-		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
+		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function lc(e, t) {
+function fc(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => Is(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = zi(c, i, a);
+	return (t, r, i, a) => zs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Hi(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Gs, S = qs, x = $s) : (b = Ks, S = Js, x = ec);
+		l.ori == 0 ? (b = Js, S = Xs, x = nc) : (b = Ys, S = Zs, x = rc);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5721,23 +5792,23 @@ function lc(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ps
-		}, k = O.stroke, [A, j] = Ls(t, r);
+			flags: Ls
+		}, k = O.stroke, [A, j] = Bs(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Hs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Bs(e, l.ori, p, m, h, g);
+			e.push(...Gs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Us(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [zs(t, r, i, a, k, -1), zs(t, r, i, a, k, 1)] : zs(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [Hs(t, r, i, a, k, -1), Hs(t, r, i, a, k, 1)] : Hs(t, r, i, a, k, j)), O;
 	});
 }
-function uc(e) {
-	return lc(dc, e);
+function pc(e) {
+	return fc(mc, e);
 }
-function dc(e, t, n, r, i, a) {
+function mc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5752,61 +5823,61 @@ function dc(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var fc = /* @__PURE__ */ new Set();
-function pc() {
-	for (let e of fc) e.syncRect(!0);
+var hc = /* @__PURE__ */ new Set();
+function gc() {
+	for (let e of hc) e.syncRect(!0);
 }
-mi && (Ni(li, gi, pc), Ni(ui, gi, pc, !0), Ni(fi, gi, () => {
-	kc.pxRatio = J;
+_i && (Ii(fi, yi, gc), Ii(pi, yi, gc, !0), Ii(hi, yi, () => {
+	Mc.pxRatio = J;
 }));
-var mc = ac(), hc = tc();
-function gc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => vc(e, r, t, n));
+var _c = cc(), vc = ic();
+function yc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => xc(e, r, t, n));
 }
-function _c(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ua({}, t, e));
+function bc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Ka({}, t, e));
 }
-function vc(e, t, n, r) {
-	return Ua({}, t == 0 ? n : r, e);
+function xc(e, t, n, r) {
+	return Ka({}, t == 0 ? n : r, e);
 }
-function yc(e, t, n) {
-	return t == null ? Na : [t, n];
-}
-var bc = yc;
-function xc(e, t, n) {
-	return t == null ? Na : Ji(t, n, Wi, !0);
-}
-function Sc(e, t, n, r) {
-	return t == null ? Na : Hi(t, n, e.scales[r].log, !1);
+function Sc(e, t, n) {
+	return t == null ? Ia : [t, n];
 }
 var Cc = Sc;
-function wc(e, t, n, r) {
-	return t == null ? Na : Ui(t, n, e.scales[r].log, !1);
+function wc(e, t, n) {
+	return t == null ? Ia : Zi(t, n, qi, !0);
 }
-var Tc = wc;
-function Ec(e, t, n, r, i) {
-	let a = oa(ma(e), ma(t)), o = t - e, s = Fi(i / r * o, n);
+function Tc(e, t, n, r) {
+	return t == null ? Ia : Gi(t, n, e.scales[r].log, !1);
+}
+var Ec = Tc;
+function Dc(e, t, n, r) {
+	return t == null ? Ia : Ki(t, n, e.scales[r].log, !1);
+}
+var Oc = Dc;
+function kc(e, t, n, r, i) {
+	let a = la(_a(e), _a(t)), o = t - e, s = Ri(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? Oa.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? ja.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Dc(e) {
+function Ac(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = ra((n = +r) * J)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = oa((n = +r) * J)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function Oc(e) {
+function jc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
 		let t = Z(e[2] * J, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function kc(e, t, n) {
+function Mc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5822,33 +5893,33 @@ function kc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = wi(kr);
-	if (e.id != null && (l.id = e.id), bi(l, e.class), e.title) {
-		let t = wi(Mr, l);
+	let l = r.root = Di(Mr);
+	if (e.id != null && (l.id = e.id), Ci(l, e.class), e.title) {
+		let t = Di(Fr, l);
 		t.textContent = e.title;
 	}
-	let u = Ci("canvas"), d = r.ctx = u.getContext("2d"), f = wi(Nr, l);
-	Ni("click", f, (e) => {
-		e.target === m && (V != rn || cn != an) && un.click(r, e);
+	let u = Ei("canvas"), d = r.ctx = u.getContext("2d"), f = Di(Ir, l);
+	Ii("click", f, (e) => {
+		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = wi(Pr, f);
+	let p = r.under = Di(Lr, f);
 	f.appendChild(u);
-	let m = r.over = wi(Fr, f);
-	e = Ha(e);
-	let h = +Y(e.pxAlign, 1), g = Us(h);
+	let m = r.over = Di(Rr, f);
+	e = Ga(e);
+	let h = +Y(e.pxAlign, 1), g = Ks(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? gc(e.series || [], ls, Os, !1) : _c(e.series || [null], Ds), y = r.axes = gc(e.axes || [], os, Ss, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? yc(e.series || [], fs, js, !1) : bc(e.series || [null], As), y = r.axes = yc(e.axes || [], ls, Ts, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
-		axes: Vt,
-		series: At
+		axes: zt,
+		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => la(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => fa(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => fa(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ha(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5857,30 +5928,30 @@ function kc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || ja)[t] || ja;
+			let r = (e.scales || Pa)[t] || Pa;
 			if (r.from != null) {
 				E(r.from);
-				let e = Ua({}, b[r.from], r, { key: t });
+				let e = Ka({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Ua({}, t == S ? As : js, r), n.key = t;
-				let e = n.time, a = n.range, o = Pa(a);
+				n = b[t] = Ka({}, t == S ? Ns : Ps, r), n.key = t;
+				let e = n.time, a = n.range, o = La(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Gi : {
+					min: a[0] == null ? Ji : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Gi : {
+					max: a[1] == null ? Ji : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Ra(a))) {
+				}, o = !1), !o && Va(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Na : Ji(n, r, e);
+					a = (t, n, r) => n == null ? Ia : Zi(n, r, e);
 				}
-				n.range = X(a || (e ? bc : t == S ? n.distr == 3 ? Cc : n.distr == 4 ? Tc : yc : n.distr == 3 ? Sc : n.distr == 4 ? wc : xc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || ks), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? Cc : t == S ? n.distr == 3 ? Ec : n.distr == 4 ? Oc : Sc : n.distr == 3 ? Tc : n.distr == 4 ? Dc : wc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Ms), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5891,7 +5962,7 @@ function kc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (bi(l, Ar), k = a, A = o) : (bi(l, jr), k = o, A = a);
+	D.ori == 0 ? (Ci(l, Nr), k = a, A = o) : (Ci(l, Pr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5900,97 +5971,97 @@ function kc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(ra(e / _))), te = e.fmtDate || so, ne = _ == 1 ? Ao(ee) : No(ee), re = Fo(ee, Po(_ == 1 ? ko : Mo, te)), ie = Bo(ee, Ro(zo, te)), ae = [], M = r.legend = Ua({}, Uo, e.legend), N = r.cursor = Ua({}, Qo, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, se = M.markers;
-	M.idxs = ae, se.width = X(se.width), se.dash = X(se.dash), se.stroke = X(se.stroke), se.fill = X(se.fill);
-	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
+	let ee = e.tzDate || ((e) => new Date(oa(e / _))), te = e.fmtDate || uo, ne = _ == 1 ? No(ee) : Io(ee), re = Ro(ee, Lo(_ == 1 ? Mo : Fo, te)), ie = Uo(ee, Vo(Ho, te)), ae = [], M = r.legend = Ka({}, Ko, e.legend), N = r.cursor = Ka({}, ts, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
+	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
-		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
-		for (let e in fe) me[e] = pi;
+		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
+		for (let e in de) pe[e] = gi;
 	}
 	if (P) {
-		if (F = Ci("table", Hr, l), le = Ci("tbody", null, F), M.mount(r, F), pe) {
-			ce = Ci("thead", null, F, le);
-			let e = Ci("tr", null, ce);
-			for (var he in Ci("th", null, e), fe) Ci("th", qr, e).textContent = he;
-		} else bi(F, Wr), M.live && bi(F, Ur);
+		if (I = Ei("table", Gr, l), ce = Ei("tbody", null, I), M.mount(r, I), fe) {
+			se = Ei("thead", null, I, ce);
+			let e = Ei("tr", null, se);
+			for (var me in Ei("th", null, e), de) Ei("th", Xr, e).textContent = me;
+		} else Ci(I, qr), M.live && Ci(I, Kr);
 	}
-	let ge = { show: !0 }, _e = { show: !1 };
-	function ve(e, t) {
-		if (t == 0 && (pe || !M.live || i == 2)) return Na;
-		let n = [], a = Ci("tr", Gr, le, le.childNodes[t]);
-		bi(a, e.class), e.show || bi(a, Lr);
-		let o = Ci("th", null, a);
-		if (se.show) {
-			let e = wi(Kr, o);
+	let he = { show: !0 }, ge = { show: !1 };
+	function _e(e, t) {
+		if (t == 0 && (fe || !M.live || i == 2)) return Ia;
+		let n = [], a = Ei("tr", Jr, ce, ce.childNodes[t]);
+		Ci(a, e.class), e.show || Ci(a, Br);
+		let o = Ei("th", null, a);
+		if (F.show) {
+			let e = Di(Yr, o);
 			if (t > 0) {
-				let n = se.width(r, t);
-				n && (e.style.border = n + "px " + se.dash(r, t) + " " + se.stroke(r, t)), e.style.background = se.fill(r, t);
+				let n = F.width(r, t);
+				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = wi(qr, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (se.show || (s.style.color = e.width > 0 ? se.stroke(r, t) : se.fill(r, t)), be("click", o, (t) => {
+		let s = Di(Xr, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
 			if (N._lock) return;
-			We(t);
+			Ue(t);
 			let n = v.indexOf(e);
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && hn(r, e ? r == n ? ge : _e : ge, !0, q.setSeries);
+					r > 0 && pn(r, e ? r == n ? he : ge : he, !0, Zn.setSeries);
 				});
-			} else hn(n, { show: !e.show }, !0, q.setSeries);
-		}, !1), qe && be(oi, o, (t) => {
-			N._lock || (We(t), hn(v.indexOf(e), Cn, !0, q.setSeries));
-		}, !1)), fe) {
-			let e = Ci("td", Jr, a);
+			} else pn(n, { show: !e.show }, !0, Zn.setSeries);
+		}, !1), Ke && ye(li, o, (t) => {
+			N._lock || (Ue(t), pn(v.indexOf(e), xn, !0, Zn.setSeries));
+		}, !1)), de) {
+			let e = Ei("td", Zr, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ye = /* @__PURE__ */ new Map();
-	function be(e, t, n, i = !0) {
-		let a = ye.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (Ni(e, t, a[e] = o), ye.set(t, a));
+	let ve = /* @__PURE__ */ new Map();
+	function ye(e, t, n, i = !0) {
+		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (Ii(e, t, a[e] = o), ve.set(t, a));
 	}
-	function xe(e, t, n) {
-		let r = ye.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Pi(n, t, r[n]), delete r[n]);
-		e ?? ye.delete(t);
+	function be(e, t, n) {
+		let r = ve.get(t) || {};
+		for (let n in r) (e == null || n == e) && (Li(n, t, r[n]), delete r[n]);
+		e ?? ve.delete(t);
 	}
-	let Se = 0, Ce = 0, I = 0, L = 0, R = 0, we = 0, Te = R, z = we, Ee = I, De = L, Oe = 0, ke = 0, Ae = 0, je = 0;
+	let xe = 0, Se = 0, L = 0, R = 0, z = 0, Ce = 0, we = z, B = Ce, Te = L, Ee = R, De = 0, Oe = 0, ke = 0, Ae = 0;
 	r.bbox = {};
-	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
-	function Re(e, t, n) {
-		(n || e != r.width || t != r.height) && ze(e, t), Ht(!1), Pe = !0, Ne = !0, qt();
+	let je = !1, Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1;
+	function Le(e, t, n) {
+		(n || e != r.width || t != r.height) && Re(e, t), Bt(!1), Ne = !0, Me = !0, Gt();
 	}
-	function ze(e, t) {
-		r.width = Se = I = e, r.height = Ce = L = t, R = we = 0, He(), Ue();
+	function Re(e, t) {
+		r.width = xe = L = e, r.height = Se = R = t, z = Ce = 0, Ve(), He();
 		let n = r.bbox;
-		Oe = n.left = Ta(R * J, .5), ke = n.top = Ta(we * J, .5), Ae = n.width = Ta(I * J, .5), je = n.height = Ta(L * J, .5);
+		De = n.left = Oa(z * J, .5), Oe = n.top = Oa(Ce * J, .5), ke = n.width = Oa(L * J, .5), Ae = n.height = Oa(R * J, .5);
 	}
-	function Be() {
+	function ze() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
-			let n = zt(t), i = Bt(t);
-			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
+			let n = Lt(t), i = Rt(t);
+			e = t == 3 || n && i, e || (Re(r.width, r.height), Me = !0);
 		}
 	}
-	function Ve({ width: e, height: t }) {
-		Re(e, t);
+	function Be({ width: e, height: t }) {
+		Le(e, t);
 	}
-	r.setSize = Ve;
-	function He() {
+	r.setSize = Be;
+	function Ve() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (I -= c, a == 3 ? (R += c, r = !0) : n = !0) : (L -= c, a == 0 ? (we += c, e = !0) : t = !0));
+				c > 0 && (s ? (L -= c, a == 3 ? (z += c, r = !0) : n = !0) : (R -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
 			}
-		}), nt[0] = e, nt[1] = n, nt[2] = t, nt[3] = r, I -= ot[1] + ot[3], R += ot[3], L -= ot[2] + ot[0], we += ot[0];
+		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, L -= at[1] + at[3], z += at[3], R -= at[2] + at[0], Ce += at[0];
 	}
-	function Ue() {
-		let e = R + I, t = we + L, n = R, r = we;
+	function He() {
+		let e = z + L, t = Ce + R, n = z, r = Ce;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -6012,7 +6083,7 @@ function kc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? pa, u = l >= 0 && l < pa, d = D.ori == 0 ? I : L, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? ga, u = l >= 0 && l < ga, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -6024,158 +6095,158 @@ function kc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && ta(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && ia(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let We = (e) => {
+	let Ue = (e) => {
 		N.event = e;
 	};
 	N.idxs = ae, N._lock = !1;
-	let Ge = N.points;
-	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
-	let Ke = r.focus = Ua({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
-	function Qe(e, t) {
-		let n = Ge.show(r, t);
-		if (n instanceof HTMLElement) return bi(n, Vr), bi(n, e.class), Ei(n, -10, -10, I, L), m.insertBefore(n, Ye[t]), n;
+	let We = N.points;
+	We.show = X(We.show), We.size = X(We.size), We.stroke = X(We.stroke), We.width = X(We.width), We.fill = X(We.fill);
+	let Ge = r.focus = Ka({}, e.focus || { alpha: .3 }, N.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
+	function Ze(e, t) {
+		let n = We.show(r, t);
+		if (n instanceof HTMLElement) return Ci(n, Wr), Ci(n, e.class), ki(n, -10, -10, L, R), m.insertBefore(n, Je[t]), n;
 	}
-	function $e(e, t) {
+	function Qe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? La(n) ? Bo(ee, Ro(n, te)) : n || ie : n || xs, e.label = e.label || (t ? cs : ss);
+			e.value = t ? Ba(n) ? Uo(ee, Vo(n, te)) : n || ie : n || ws, e.label = e.label || (t ? ds : us);
 		}
-		if (Je || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || mc || ba, e.fillTo = X(e.fillTo || Rs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Us(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Cs(oa(1, e.width), 1), n = e.points = Ua({}, {
+		if (qe || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || _c || Ca, e.fillTo = X(e.fillTo || Vs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ks(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Es(la(1, e.width), 1), n = e.points = Ka({}, {
 				size: t,
-				width: oa(1, t * .2),
+				width: la(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: hc,
+				paths: vc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
 			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
 		}
 		if (P) {
-			let n = ve(e, t);
-			ue.splice(t, 0, n[0]), de.splice(t, 0, n[1]), M.values.push(null);
+			let n = _e(e, t);
+			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
 		}
 		if (oe) {
 			ae.splice(t, 0, null);
 			let n = null;
-			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
+			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
 		}
-		K("addSeries", t);
+		Yn("addSeries", t);
 	}
-	function et(e, t) {
-		t ??= v.length, e = i == 1 ? vc(e, t, ls, Os) : vc(e, t, {}, Ds), v.splice(t, 0, e), $e(v[t], t);
+	function $e(e, t) {
+		t ??= v.length, e = i == 1 ? xc(e, t, fs, js) : xc(e, t, {}, As), v.splice(t, 0, e), Qe(v[t], t);
 	}
-	r.addSeries = et;
-	function tt(e) {
+	r.addSeries = $e;
+	function et(e) {
 		if (v.splice(e, 1), P) {
-			M.values.splice(e, 1), de.splice(e, 1);
-			let t = ue.splice(e, 1)[0];
-			xe(null, t.firstChild), t.remove();
+			M.values.splice(e, 1), ue.splice(e, 1);
+			let t = le.splice(e, 1)[0];
+			be(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), K("delSeries", e);
+		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Yn("delSeries", e);
 	}
-	r.delSeries = tt;
-	let nt = [
+	r.delSeries = et;
+	let tt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function rt(e, t) {
+	function nt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Pa(e.incrs) && e.incrs.forEach((e) => {
-				!Oa.has(e) && Oa.set(e, ka(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? ho : a ? _ == 1 ? Oo : jo : go)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? fs : i.distr == 4 ? ps : ds)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), La(e.incrs) && e.incrs.forEach((e) => {
+				!ja.has(e) && ja.set(e, Ma(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? vo : a ? _ == 1 ? jo : Po : yo)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? hs : i.distr == 4 ? gs : ms)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = Pa(o) && !Pa(o[0]) ? X(o) : a ? Pa(o) ? Fo(ee, Po(o, te)) : La(o) ? Io(ee, o) : o || re : o || us, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? ys : i.distr == 3 && i.log == 2 ? bs : ya)), e.font = Dc(e.font), e.labelFont = Dc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = wi(Ir, f));
+			e.values = La(o) && !La(o[0]) ? X(o) : a ? La(o) ? Ro(ee, Lo(o, te)) : Ba(o) ? zo(ee, o) : o || re : o || ps, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Ss : i.distr == 3 && i.log == 2 ? Cs : Sa)), e.font = Ac(e.font), e.labelFont = Ac(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = Di(zr, f));
 		}
 	}
-	function it(e, t, n, r) {
+	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? ra(os.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? ra(Ss.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? oa(ls.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? oa(Ts.size / 2) : 0), l;
 	}
-	let at = r.padding = (e.padding || [
-		it,
-		it,
-		it,
-		it
-	]).map((e) => X(Y(e, it))), ot = r._padding = at.map((e, t) => e(r, t, nt, 0)), st, ct = null, lt = null, ut = i == 1 ? v[0].idxs : null, dt = null, ft = !1;
-	function pt(e, n) {
+	let it = r.padding = (e.padding || [
+		rt,
+		rt,
+		rt,
+		rt
+	]).map((e) => X(Y(e, rt))), at = r._padding = it.map((e, t) => e(r, t, tt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, ut = null, V = !1;
+	function dt(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			st = 0;
-			for (let e = 1; e < v.length; e++) st += t[e][0].length;
+			ot = 0;
+			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), dt = t[0], st = dt.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), ut = t[0], ot = ut.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(st);
-				for (let e = 0; e < st; e++) n[e] = e;
+				let n = e[0] = Array(ot);
+				for (let e = 0; e < ot; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (Ht(!0), K("setData"), O == 2 && (Pe = !0), n !== !1) {
+		if (Bt(!0), Yn("setData"), O == 2 && (Ne = !0), n !== !1) {
 			let e = D;
-			e.auto(r, ft) ? mt() : mn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, qt();
+			e.auto(r, V) ? ft() : fn(S, e.min, e.max), Pe ||= N.left >= 0, Ie = !0, Gt();
 		}
 	}
-	r.setData = pt;
-	function mt() {
-		ft = !0;
+	r.setData = dt;
+	function ft() {
+		V = !0;
 		let e, n;
-		i == 1 && (st > 0 ? (ct = ut[0] = 0, lt = ut[1] = st - 1, e = t[0][ct], n = t[0][lt], O == 2 ? (e = ct, n = lt) : e == n && (O == 3 ? [e, n] = Hi(e, e, D.log, !1) : O == 4 ? [e, n] = Ui(e, e, D.log, !1) : D.time ? n = e + ra(86400 / _) : [e, n] = Ji(e, n, Wi, !0))) : (ct = ut[0] = e = null, lt = ut[1] = n = null)), mn(S, e, n);
+		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = Gi(e, e, D.log, !1) : O == 4 ? [e, n] = Ki(e, e, D.log, !1) : D.time ? n = e + oa(86400 / _) : [e, n] = Zi(e, n, qi, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), fn(S, e, n);
 	}
-	let ht, gt, _t, vt, yt, B, bt, xt, St, Ct;
-	function wt(e, t, n, r, i, a) {
-		e ??= ni, n ??= Ma, r ??= "butt", i ??= ni, a ??= "round", e != ht && (d.strokeStyle = ht = e), i != gt && (d.fillStyle = gt = i), t != _t && (d.lineWidth = _t = t), a != yt && (d.lineJoin = yt = a), r != B && (d.lineCap = B = r), n != vt && d.setLineDash(vt = n);
+	let pt, mt, ht, gt, _t, H, vt, yt, bt, xt;
+	function St(e, t, n, r, i, a) {
+		e ??= ai, n ??= Fa, r ??= "butt", i ??= ai, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != H && (d.lineCap = H = r), n != gt && d.setLineDash(gt = n);
 	}
-	function Tt(e, t, n, r) {
-		t != gt && (d.fillStyle = gt = t), e != bt && (d.font = bt = e), n != xt && (d.textAlign = xt = n), r != St && (d.textBaseline = St = r);
+	function Ct(e, t, n, r) {
+		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
-	function Et(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, ft) && (t == null || t.min == null)) {
-			let t = Y(ct, 0), r = Y(lt, i.length - 1), o = n.min == null ? Vi(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = aa(e.min, n.min = o[0]), e.max = oa(e.max, n.max = o[1]);
+	function wt(e, t, n, i, a = 0) {
+		if (i.length > 0 && e.auto(r, V) && (t == null || t.min == null)) {
+			let t = Y(st, 0), r = Y(ct, i.length - 1), o = n.min == null ? Wi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = ca(e.min, n.min = o[0]), e.max = la(e.max, n.max = o[1]);
 		}
 	}
-	let Dt = {
+	let Tt = {
 		min: null,
 		max: null
 	};
-	function Ot() {
+	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, ft)) && (j[e] = Dt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, V)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Dt);
+			j[e] == null && t.from != null && j[t.from] != null && (j[e] = Tt);
 		}
-		j[S] != null && Ht(!0);
+		j[S] != null && Bt(!0);
 		let e = {};
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Ha(b[t], za);
-				if (n.min != null) Ua(a, n);
+				let a = e[t] = Ga(b[t], Ha);
+				if (n.min != null) Ka(a, n);
 				else if (t != S || i == 2) {
-					if (st == 0 && a.from == null) {
+					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = pa, a.max = -Infinity;
+					} else a.min = ga, a.max = -Infinity;
 				}
 			}
 		}
-		if (st > 0) {
+		if (ot > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
 					let i = n.scale, o = j[i];
@@ -6183,18 +6254,18 @@ function kc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], ct = Fi(s.min, t[0]), lt = Fi(s.max, t[0]), lt - ct > 1 && (t[0][ct] < s.min && ct++, t[0][lt] > s.max && lt--), n.min = dt[ct], n.max = dt[lt];
-					} else n.show && n.auto && Et(s, o, n, t[a], n.sorted);
-					n.idxs[0] = ct, n.idxs[1] = lt;
+						s.min = e[0], s.max = e[1], st = Ri(s.min, t[0]), ct = Ri(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
+					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
+					n.idxs[0] = st, n.idxs[1] = ct;
 				} else if (a > 0 && n.show && n.auto) {
 					let [r, i] = n.facets, o = r.scale, s = i.scale, [c, l] = t[a], u = e[o], d = e[s];
-					u != null && Et(u, j[o], r, c, r.sorted), d != null && Et(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
+					u != null && wt(u, j[o], r, c, r.sorted), d != null && wt(d, j[s], i, l, i.sorted), n.min = i.min, n.max = i.max;
 				}
 			});
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == pa ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == ga ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6216,145 +6287,145 @@ function kc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? la(i.min) : e == 4 ? fa(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? la(i.max) : e == 4 ? fa(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? fa(i.min) : e == 4 ? ha(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? fa(i.max) : e == 4 ? ha(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Pe = !0, K("setScale", e);
-			oe && N.left >= 0 && (Fe = Le = !0);
+			for (let e in n) Ne = !0, Yn("setScale", e);
+			oe && N.left >= 0 && (Pe = Ie = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
-	function kt(e) {
-		let t = ha(ct - 1, 0, st - 1), n = ha(lt + 1, 0, st - 1);
+	function Dt(e) {
+		let t = va(st - 1, 0, ot - 1), n = va(ct + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < st - 1;) n++;
+		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
 	}
-	function At() {
-		if (st > 0) {
-			let e = v.some((e) => e._focus) && Ct != Ke.alpha;
-			e && (d.globalAlpha = Ct = Ke.alpha), v.forEach((e, n) => {
-				if (n > 0 && e.show && (jt(n, !1), jt(n, !0), e._paths == null)) {
-					let a = Ct;
-					Ct != e.alpha && (d.globalAlpha = Ct = e.alpha);
-					let o = i == 2 ? [0, t[n][0].length - 1] : kt(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), Ct != a && (d.globalAlpha = Ct = a);
+	function Ot() {
+		if (ot > 0) {
+			let e = v.some((e) => e._focus) && xt != Ge.alpha;
+			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
+				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
+					let a = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
+					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
+					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = Ct;
-					Ct != e.alpha && (d.globalAlpha = Ct = e.alpha), e._paths != null && Mt(t, !1);
+					let n = xt;
+					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
 					{
-						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, ct, lt, n), a = e.points.filter(r, t, i, n);
-						(i || a) && (e.points._paths = e.points.paths(r, t, ct, lt, a), Mt(t, !0));
+						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
+						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), At(t, !0));
 					}
-					Ct != n && (d.globalAlpha = Ct = n), K("drawSeries", t);
+					xt != n && (d.globalAlpha = xt = n), Yn("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = Ct = 1);
+			}), e && (d.globalAlpha = xt = 1);
 		}
 	}
-	function jt(e, t) {
+	function kt(e, t) {
 		let n = t ? v[e].points : v[e];
 		n._stroke = n.stroke(r, e), n._fill = n.fill(r, e);
 	}
-	function Mt(e, t) {
+	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
 		l = Z(l * J, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
+			let e = De - l / 2, t = Oe - l / 2, n = ke + l, r = Ae + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
-		t ? Pt(s, l, n.dash, n.cap, c, r, i, o, a) : Nt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
+		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
 	}
-	function Nt(e, n, i, a, o, s, c, l, u, d, f) {
+	function jt(e, n, i, a, o, s, c, l, u, d, f) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || ja).band;
-				Pa(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Pa).band;
+				La(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Yi(g, ct, lt) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Pt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Qi(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
-		}), p || Pt(n, i, a, o, s, c, l, u, d, f);
+		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
-	function Pt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		wt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), It(i, o), Ft(e, a, t)) : s & Fs ? (It(i, o), d.clip(f), Ft(e, a, t)) : s & Ps && (d.save(), d.clip(f), u && d.clip(u), It(i, o), d.restore(), Ft(e, a, t)) : (It(i, o), Ft(e, a, t)), (c || l || f) && d.restore();
+	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Rs ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Ls && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
-	function Ft(e, t, n) {
+	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = ht = t, d.stroke(e);
+			d.strokeStyle = pt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
-	function It(e, t) {
+	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = gt = t, d.fill(e);
+			d.fillStyle = mt = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
-	function Lt(e, t, n, i) {
+	function Ft(e, t, n, i) {
 		let a = y[e], o;
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = Ec(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = kc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
-	function Rt(e, t, n, r, i, a, o, s, c, l) {
+	function It(e, t, n, r, i, a, o, s, c, l) {
 		let u = o % 2 / 2;
-		h == 1 && d.translate(u, u), wt(s, o, c, l, s), d.beginPath();
+		h == 1 && d.translate(u, u), St(s, o, c, l, s), d.beginPath();
 		let f, p, m, g, _ = i + (r == 0 || r == 3 ? -a : a);
 		n == 0 ? (p = i, g = _) : (f = i, m = _);
 		for (let r = 0; r < e.length; r++) t[r] != null && (n == 0 ? f = m = e[r] : p = g = e[r], d.moveTo(f, p), d.lineTo(m, g));
 		d.stroke(), h == 1 && d.translate(-u, -u);
 	}
-	function zt(e) {
+	function Lt(e) {
 		let t = !0;
 		return y.forEach((n, i) => {
 			if (!n.show) return;
 			let a = b[n.scale];
 			if (a.min == null) {
-				n._show && (t = !1, n._show = !1, Ht(!1));
+				n._show && (t = !1, n._show = !1, Bt(!1));
 				return;
 			}
-			n._show || (t = !1, n._show = !0, Ht(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Lt(i, c, l, s == 0 ? I : L);
+			n._show || (t = !1, n._show = !0, Bt(!1));
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
 			if (d == 0) return;
-			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => dt[e]) : p, h = a.distr == 2 ? dt[p[1]] - dt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
+			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ut[e]) : p, h = a.distr == 2 ? ut[p[1]] - ut[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = ia(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = sa(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
-	function Bt(e) {
+	function Rt(e) {
 		let t = !0;
-		return at.forEach((n, i) => {
-			let a = n(r, i, nt, e);
-			a != ot[i] && (t = !1), ot[i] = a;
+		return it.forEach((n, i) => {
+			let a = n(r, i, tt, e);
+			a != at[i] && (t = !1), at[i] = a;
 		}), t;
 	}
-	function Vt() {
+	function zt() {
 		for (let e = 0; e < y.length; e++) {
 			let t = y[e];
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = ra((t._lpos + s) * J);
-				Tt(t.labelFont[0], c, "center", n == 2 ? Zr : Qr), d.save(), i == 1 ? (a = o = 0, d.translate(p, ra(ke + je / 2)), d.rotate((n == 3 ? -ea : ea) / 2)) : (a = ra(Oe + Ae / 2), o = p);
-				let m = ga(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = oa((t._lpos + s) * J);
+				Ct(t.labelFont[0], c, "center", n == 2 ? ei : ti), d.save(), i == 1 ? (a = o = 0, d.translate(p, oa(Oe + Ae / 2)), d.rotate((n == 3 ? -ra : ra) / 2)) : (a = oa(De + ke / 2), o = p);
+				let m = ya(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => dt[e]) : _, x = p.distr == 2 ? dt[_[1]] - dt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = ra(w * J), E = ra((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -ea / 180, O = g(t._pos * J), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? ke : Ae, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = oa(w * J), E = oa((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -ra / 180, O = g(t._pos * J), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Tt(A, c, t.align == 1 ? $r : t.align == 2 ? ei : D > 0 ? $r : D < 0 ? ei : i == 0 ? "center" : n == 3 ? ei : $r, D || i == 1 ? "middle" : n == 2 ? Zr : Qr);
+			Ct(A, c, t.align == 1 ? ni : t.align == 2 ? ri : D > 0 ? ni : D < 0 ? ri : i == 0 ? "center" : n == 3 ? ri : ni, D || i == 1 ? "middle" : n == 2 ? ei : ti);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6367,68 +6438,68 @@ function kc(e, t, n) {
 					}
 				}
 			}
-			S.show && Rt(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && Rt(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && Rt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? Ae : ke, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? Ae : ke, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		K("drawAxes");
+		Yn("drawAxes");
 	}
-	function Ht(e) {
+	function Bt(e) {
 		v.forEach((t, n) => {
 			n > 0 && (t._paths = null, e && (i == 1 ? (t.min = null, t.max = null) : t.facets.forEach((e) => {
 				e.min = null, e.max = null;
 			})));
 		});
 	}
-	let Ut = !1, Wt = !1, Gt = [];
-	function Kt() {
-		Wt = !1;
-		for (let e = 0; e < Gt.length; e++) K(...Gt[e]);
-		Gt.length = 0;
+	let Vt = !1, Ht = !1, Ut = [];
+	function Wt() {
+		Ht = !1;
+		for (let e = 0; e < Ut.length; e++) Yn(...Ut[e]);
+		Ut.length = 0;
 	}
+	function Gt() {
+		Vt ||= (Qa(qt), !0);
+	}
+	function Kt(e, t = !1) {
+		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
+	}
+	r.batch = Kt;
 	function qt() {
-		Ut ||= (Ya(Yt), !0);
-	}
-	function Jt(e, t = !1) {
-		Ut = !0, Wt = t, e(r), Yt(), t && Gt.length > 0 && queueMicrotask(Kt);
-	}
-	r.batch = Jt;
-	function Yt() {
-		if (Me &&= (Ot(), !1), Pe &&= (Be(), !1), Ne) {
-			if (Si(p, $r, R), Si(p, Zr, we), Si(p, Yr, I), Si(p, Xr, L), Si(m, $r, R), Si(m, Zr, we), Si(m, Yr, I), Si(m, Xr, L), Si(f, Yr, Se), Si(f, Xr, Ce), u.width = ra(Se * J), u.height = ra(Ce * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+		if (je &&= (Et(), !1), Ne &&= (ze(), !1), Me) {
+			if (Ti(p, ni, z), Ti(p, ei, Ce), Ti(p, Qr, L), Ti(p, $r, R), Ti(m, ni, z), Ti(m, ei, Ce), Ti(m, Qr, L), Ti(m, $r, R), Ti(f, Qr, xe), Ti(f, $r, Se), u.width = oa(xe * J), u.height = oa(Se * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						Si(e, a ? "left" : "top", r - t), Si(e, a ? "width" : "height", n), Si(e, a ? "top" : "left", a ? we : R), Si(e, a ? "height" : "width", a ? L : I), xi(e, Lr);
-					} else bi(e, Lr);
+						Ti(e, a ? "left" : "top", r - t), Ti(e, a ? "width" : "height", n), Ti(e, a ? "top" : "left", a ? Ce : z), Ti(e, a ? "height" : "width", a ? R : L), wi(e, Br);
+					} else Ci(e, Br);
 				}
-			}), ht = gt = _t = yt = B = bt = xt = St = vt = null, Ct = 1, In(!0), R != Te || we != z || I != Ee || L != De) {
-				Ht(!1);
-				let e = I / Ee, t = L / De;
-				if (oe && !Fe && N.left >= 0) {
-					N.left *= e, N.top *= t, $t && Ei($t, ra(N.left), 0, I, L), en && Ei(en, 0, ra(N.top), I, L);
-					for (let n = 0; n < Ye.length; n++) {
-						let r = Ye[n];
-						r != null && (Xe[n] *= e, Ze[n] *= t, Ei(r, ia(Xe[n]), ia(Ze[n]), I, L));
+			}), pt = mt = ht = _t = H = vt = yt = bt = gt = null, xt = 1, Pn(!0), z != we || Ce != B || L != Te || R != Ee) {
+				Bt(!1);
+				let e = L / Te, t = R / Ee;
+				if (oe && !Pe && N.left >= 0) {
+					N.left *= e, N.top *= t, Zt && ki(Zt, oa(N.left), 0, L, R), Qt && ki(Qt, 0, oa(N.top), L, R);
+					for (let n = 0; n < Je.length; n++) {
+						let r = Je[n];
+						r != null && (Ye[n] *= e, Xe[n] *= t, ki(r, sa(Ye[n]), sa(Xe[n]), L, R));
 					}
 				}
-				if (W.show && !Ie && W.left >= 0 && W.width > 0) {
-					W.left *= e, W.width *= e, W.top *= t, W.height *= t;
-					for (let e in G) Si(dn, e, W[e]);
+				if (K.show && !Fe && K.left >= 0 && K.width > 0) {
+					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
+					for (let e in Ln) Ti(ln, e, K[e]);
 				}
-				Te = R, z = we, Ee = I, De = L;
+				we = z, B = Ce, Te = L, Ee = R;
 			}
-			K("setSize"), Ne = !1;
+			Yn("setSize"), Me = !1;
 		}
-		Se > 0 && Ce > 0 && (d.clearRect(0, 0, u.width, u.height), K("drawClear"), w.forEach((e) => e()), K("draw")), W.show && Ie && (fn(W), Ie = !1), oe && Fe && (Pn(null, !0, !1), Fe = !1), M.show && M.live && Le && (Mn(), Le = !1), c || (c = !0, r.status = 1, K("ready")), ft = !1, Ut = !1;
+		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Yn("drawClear"), w.forEach((e) => e()), Yn("draw")), K.show && Fe && (un(K), Fe = !1), oe && Pe && (Mn(null, !0, !1), Pe = !1), M.show && M.live && Ie && (An(), Ie = !1), c || (c = !0, r.status = 1, Yn("ready")), V = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Pe = t || !1, e === !1 ? qt() : mn(S, D.min, D.max);
+		Ne = t || !1, e === !1 ? Gt() : fn(S, D.min, D.max);
 	};
-	function Xt(e, n) {
+	function Jt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (st == 0) {
+			if (ot == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -6436,347 +6507,347 @@ function kc(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (st > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && st > 0 && (n.min = Fi(n.min, t[0]), n.max = Fi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, qt();
+			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && ot > 0 && (n.min = Ri(n.min, t[0]), n.max = Ri(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, je = !0, Gt();
 		}
 	}
-	r.setScale = Xt;
-	let Zt, Qt, $t, en, tn, nn, rn, an, on, sn, V, cn, ln = !1, un = N.drag, H = un.x, U = un.y;
-	oe && (N.x && (Zt = wi(zr, m)), N.y && (Qt = wi(Br, m)), D.ori == 0 ? ($t = Zt, en = Qt) : ($t = Qt, en = Zt), V = N.left, cn = N.top);
-	let W = r.select = Ua({
+	r.setScale = Jt;
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, G = sn.y;
+	oe && (N.x && (Yt = Di(Hr, m)), N.y && (Xt = Di(Ur, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let K = r.select = Ka({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), dn = W.show ? wi(Rr, W.over ? m : p) : null;
-	function fn(e, t) {
-		if (W.show) {
-			for (let t in e) W[t] = e[t], t in G && Si(dn, t, e[t]);
-			t !== !1 && K("setSelect");
+	}, e.select), ln = K.show ? Di(Vr, K.over ? m : p) : null;
+	function un(e, t) {
+		if (K.show) {
+			for (let t in e) K[t] = e[t], t in Ln && Ti(ln, t, e[t]);
+			t !== !1 && Yn("setSelect");
 		}
 	}
-	r.setSelect = fn;
-	function pn(e) {
-		if (v[e].show) P && xi(ue[e], Lr);
-		else if (P && bi(ue[e], Lr), oe) {
-			let t = Je ? Ye[0] : Ye[e];
-			t != null && Ei(t, -10, -10, I, L);
+	r.setSelect = un;
+	function dn(e) {
+		if (v[e].show) P && wi(le[e], Br);
+		else if (P && Ci(le[e], Br), oe) {
+			let t = qe ? Je[0] : Je[e];
+			t != null && ki(t, -10, -10, L, R);
 		}
 	}
-	function mn(e, t, n) {
-		Xt(e, {
+	function fn(e, t, n) {
+		Jt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function hn(e, t, n, a) {
-		t.focus != null && wn(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, pn(r), i == 2 ? (mn(n.facets[0].scale, null, null), mn(n.facets[1].scale, null, null)) : mn(n.scale, null, null), qt());
-		}), n !== !1 && K("setSeries", e, t), a && er("setSeries", r, e, t);
+	function pn(e, t, n, a) {
+		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), Gt());
+		}), n !== !1 && Yn("setSeries", e, t), a && er("setSeries", r, e, t);
 	}
-	r.setSeries = hn;
-	function gn(e, t) {
-		Ua(x[e], t);
+	r.setSeries = pn;
+	function mn(e, t) {
+		Ka(x[e], t);
 	}
-	function _n(e, t) {
+	function hn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function vn(e) {
+	function gn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = _n, r.setBand = gn, r.delBand = vn;
-	function yn(e, t) {
-		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && ue[e] && (ue[e].style.opacity = t);
+	r.addBand = hn, r.setBand = mn, r.delBand = gn;
+	function _n(e, t) {
+		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let bn, xn, Sn, Cn = { focus: !0 };
-	function wn(e) {
-		if (e != Sn) {
-			let t = e == null, n = Ke.alpha != 1;
+	let vn, yn, bn, xn = { focus: !0 };
+	function Sn(e) {
+		if (e != bn) {
+			let t = e == null, n = Ge.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && yn(a, i ? 1 : Ke.alpha);
+					r._focus = t ? null : i, n && _n(a, i ? 1 : Ge.alpha);
 				}
-			}), Sn = e, n && qt();
+			}), bn = e, n && Gt();
 		}
 	}
-	P && qe && be(si, F, (e) => {
-		N._lock || (We(e), Sn != null && hn(null, Cn, !0, q.setSeries));
+	P && Ke && ye(ui, I, (e) => {
+		N._lock || (Ue(e), bn != null && pn(null, xn, !0, Zn.setSeries));
 	});
-	function Tn(e, t, n) {
+	function Cn(e, t, n) {
 		let r = b[t];
-		n && (e = e / J - (r.ori == 1 ? we : R));
-		let i = I;
-		r.ori == 1 && (i = L, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / J - (r.ori == 1 ? Ce : z));
+		let i = L;
+		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? sa(10, c) : l == 4 ? da(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? ua(10, c) : l == 4 ? ma(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function En(e, n) {
-		return Fi(Tn(e, S, n), t[0], ct, lt);
+	function wn(e, n) {
+		return Ri(Cn(e, S, n), t[0], st, ct);
 	}
-	r.valToIdx = (e) => Fi(e, t[0]), r.posToIdx = En, r.posToVal = Tn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : I, n ? Oe : 0) : o(e, b[t], n ? je : L, n ? ke : 0), r.setCursor = (e, t, n) => {
-		V = e.left, cn = e.top, Pn(null, t, n);
+	r.valToIdx = (e) => Ri(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? ke : L, n ? De : 0) : o(e, b[t], n ? Ae : R, n ? Oe : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Mn(null, t, n);
 	};
-	function Dn(e, t) {
-		Si(dn, $r, W.left = e), Si(dn, Yr, W.width = t);
+	function Tn(e, t) {
+		Ti(ln, ni, K.left = e), Ti(ln, Qr, K.width = t);
 	}
-	function On(e, t) {
-		Si(dn, Zr, W.top = e), Si(dn, Xr, W.height = t);
+	function En(e, t) {
+		Ti(ln, ei, K.top = e), Ti(ln, $r, K.height = t);
 	}
-	let kn = D.ori == 0 ? Dn : On, An = D.ori == 1 ? Dn : On;
-	function jn() {
+	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
+	function kn() {
 		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && pe) continue;
+			if (e == 0 && fe) continue;
 			let t = M.values[e], n = 0;
-			for (let r in t) de[e][n++].firstChild.nodeValue = t[r];
+			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function Mn(e, t) {
+	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : Ia(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && Nn(e, ae[e]);
-			jn();
+		}) : za(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
+			kn();
 		}
-		Le = !1, t !== !1 && K("setLegend");
+		Ie = !1, t !== !1 && Yn("setLegend");
 	}
-	r.setLegend = Mn;
-	function Nn(e, n) {
-		let i = v[e], a = e == 0 && O == 2 ? dt : t[e], o;
-		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), M.values[e] = o;
+	r.setLegend = An;
+	function jn(e, n) {
+		let i = v[e], a = e == 0 && O == 2 ? ut : t[e], o;
+		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
-	function Pn(e, n, a) {
-		on = V, sn = cn, [V, cn] = N.move(r, V, cn), N.left = V, N.top = cn, oe && ($t && Ei($t, ra(V), 0, I, L), en && Ei(en, 0, ra(cn), I, L));
-		let o, s = ct > lt;
-		bn = pa, xn = null;
-		let c = D.ori == 0 ? I : L, l = D.ori == 1 ? I : L;
-		if (V < 0 || st == 0 || s) {
+	function Mn(e, n, a) {
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && ki(Zt, oa(U), 0, L, R), Qt && ki(Qt, 0, oa(W), L, R));
+		let o, s = st > ct;
+		vn = ga, yn = null;
+		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
+		if (U < 0 || ot == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Ye[e];
-				t != null && Ei(t, -10, -10, I, L);
+				let t = Je[e];
+				t != null && ki(t, -10, -10, L, R);
 			}
-			qe && hn(null, Cn, !0, e == null && q.setSeries), M.live && (ae.fill(o), Le = !0);
+			Ke && pn(null, xn, !0, e == null && Zn.setSeries), M.live && (ae.fill(o), Ie = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? V : cn, n = Tn(e, S), o = N.idx = Fi(n, t[0], ct, lt), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = Cn(e, S), o = N.idx = Ri(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+				if (Ie = Ie || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (qe && S != null) {
-						let t = D.ori == 1 ? V : cn, n = ta(Ke.dist(r, e, x, _, t));
-						if (n < bn) {
-							let r = Ke.bias;
+					if (Ke && S != null) {
+						let t = D.ori == 1 ? U : W, n = ia(Ge.dist(r, e, x, _, t));
+						if (n < vn) {
+							let r = Ge.bias;
 							if (r != 0) {
-								let i = Tn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (bn = n, xn = e);
-							} else bn = n, xn = e;
+								let i = Cn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vn = n, yn = e);
+							} else vn = n, yn = e;
 						}
 					}
-					if (Le || Je) {
+					if (Ie || qe) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
+						let a, o, c, l, g, v, y = !0, b = We.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = Ge.size(r, e);
-						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == xn && bn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = We.size(r, e);
+						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == yn && vn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Ye[e];
-							t != null && (Xe[e] = c, Ze[e] = l, Ai(t, a, o, y), Oi(t, v, g), Ei(t, ia(c), ia(l), I, L));
+							let t = Je[e];
+							t != null && (Ye[e] = c, Xe[e] = l, Ni(t, a, o, y), ji(t, v, g), ki(t, sa(c), sa(l), L, R));
 						}
 					}
 				}
 			}
-			if (Je) {
-				let e = Ke.prox;
-				if (Le || (Sn == null ? bn <= e : bn > e || xn != Sn)) {
-					let e = Ye[0];
-					e != null && (Xe[0] = s, Ze[0] = u, Ai(e, d, f, p), Oi(e, m, h), Ei(e, ia(s), ia(u), I, L));
+			if (qe) {
+				let e = Ge.prox;
+				if (Ie || (bn == null ? vn <= e : vn > e || yn != bn)) {
+					let e = Je[0];
+					e != null && (Ye[0] = s, Xe[0] = u, Ni(e, d, f, p), ji(e, m, h), ki(e, sa(s), sa(u), L, R));
 				}
 			}
 		}
-		if (W.show && ln) {
+		if (K.show && on) {
 			if (e != null) {
-				let [t, n] = q.scales, [r, i] = q.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (H = s._x, U = s._y, H || U) {
+				let [t, n] = Zn.scales, [r, i] = Zn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (cn = s._x, G = s._y, cn || G) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && H ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), kn(aa(v, y), ta(y - v))) : kn(0, c), S && U ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), An(aa(v, y), ta(y - v))) : An(0, l);
-				} else zn();
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(ca(v, y), ia(y - v))) : Dn(0, c), S && G ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(ca(v, y), ia(y - v))) : On(0, l);
+				} else Rn();
 			} else {
-				let e = ta(on - tn), t = ta(sn - nn);
+				let e = ia(rn - $t), t = ia(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				H = un.x && e >= un.dist, U = un.y && t >= un.dist;
-				let n = un.uni;
-				n == null ? un.x && un.y && (H || U) && (H = U = !0) : H && U && (H = e >= n, U = t >= n, !H && !U && (t > e ? U = !0 : H = !0));
+				cn = sn.x && e >= sn.dist, G = sn.y && t >= sn.dist;
+				let n = sn.uni;
+				n == null ? sn.x && sn.y && (cn || G) && (cn = G = !0) : cn && G && (cn = e >= n, G = t >= n, !cn && !G && (t > e ? G = !0 : cn = !0));
 				let r, i;
-				H && (D.ori == 0 ? (r = rn, i = V) : (r = an, i = cn), kn(aa(r, i), ta(i - r)), U || An(0, l)), U && (D.ori == 1 ? (r = rn, i = V) : (r = an, i = cn), An(aa(r, i), ta(i - r)), H || kn(0, c)), !H && !U && (kn(0, 0), An(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Dn(ca(r, i), ia(i - r)), G || On(0, l)), G && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), On(ca(r, i), ia(i - r)), cn || Dn(0, c)), !cn && !G && (Dn(0, 0), On(0, 0));
 			}
 		}
-		if (un._x = H, un._y = U, e == null) {
+		if (sn._x = cn, sn._y = G, e == null) {
 			if (a) {
 				if (Qn != null) {
-					let [e, t] = q.scales;
-					q.values[0] = e == null ? null : Tn(D.ori == 0 ? V : cn, e), q.values[1] = t == null ? null : Tn(D.ori == 1 ? V : cn, t);
+					let [e, t] = Zn.scales;
+					Zn.values[0] = e == null ? null : Cn(D.ori == 0 ? U : W, e), Zn.values[1] = t == null ? null : Cn(D.ori == 1 ? U : W, t);
 				}
-				er(ri, r, V, cn, I, L, o);
+				er(oi, r, U, W, L, R, o);
 			}
-			if (qe) {
-				let e = a && q.setSeries, t = Ke.prox;
-				Sn == null ? bn <= t && hn(xn, Cn, !0, e) : bn > t ? hn(null, Cn, !0, e) : xn != Sn && hn(xn, Cn, !0, e);
+			if (Ke) {
+				let e = a && Zn.setSeries, t = Ge.prox;
+				bn == null ? vn <= t && pn(yn, xn, !0, e) : vn > t ? pn(null, xn, !0, e) : yn != bn && pn(yn, xn, !0, e);
 			}
 		}
-		Le && (M.idx = o, Mn()), n !== !1 && K("setCursor");
+		Ie && (M.idx = o, An()), n !== !1 && Yn("setCursor");
 	}
-	let Fn = null;
+	let Nn = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Fn ?? In(!1), Fn;
+		return Nn ?? Pn(!1), Nn;
 	} });
-	function In(e = !1) {
-		e ? Fn = null : (Fn = m.getBoundingClientRect(), K("syncRect", Fn));
+	function Pn(e = !1) {
+		e ? Nn = null : (Nn = m.getBoundingClientRect(), Yn("syncRect", Nn));
 	}
-	function Ln(e, t, n, r, i, a, o) {
-		N._lock || ln && e != null && e.movementX == 0 && e.movementY == 0 || (Rn(e, t, n, r, i, a, o, !1, e != null), e == null ? Pn(t, !0, !1) : Pn(null, !0, !0));
+	function Fn(e, t, n, r, i, a, o) {
+		N._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (In(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
 	}
-	function Rn(e, t, n, i, a, o, c, l, u) {
-		if (Fn ?? In(!1), We(e), e != null) n = e.clientX - Fn.left, i = e.clientY - Fn.top;
+	function In(e, t, n, i, a, o, c, l, u) {
+		if (Nn ?? Pn(!1), Ue(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
 		else {
 			if (n < 0 || i < 0) {
-				V = -10, cn = -10;
+				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = q.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = q.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? I : L, _ = D.ori == 1 ? I : L, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Zn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Zn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == ri) && ((n <= 1 || n >= I - 1) && (n = Ta(n, I)), (i <= 1 || i >= L - 1) && (i = Ta(i, L))), l ? (tn = n, nn = i, [rn, an] = N.move(r, n, i)) : (V = n, cn = i);
+		u && (t == null || t.cursor.event.type == oi) && ((n <= 1 || n >= L - 1) && (n = Oa(n, L)), (i <= 1 || i >= R - 1) && (i = Oa(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
 	}
-	let G = {
+	let Ln = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function zn() {
-		fn(G, !1);
+	function Rn() {
+		un(Ln, !1);
 	}
-	let Bn, Vn, Hn, Un;
-	function Wn(e, t, n, i, a, o, s) {
-		ln = !0, H = U = un._x = un._y = !1, Rn(e, t, n, i, a, o, s, !0, !1), e != null && (be(ai, hi, Gn, !1), er(ii, r, rn, an, I, L, null));
-		let { left: c, top: l, width: u, height: d } = W;
-		Bn = c, Vn = l, Hn = u, Un = d;
+	let zn, q, Bn, Vn;
+	function Hn(e, t, n, i, a, o, s) {
+		on = !0, cn = G = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(ci, vi, Un, !1), er(si, r, tn, nn, L, R, null));
+		let { left: c, top: l, width: u, height: d } = K;
+		zn = c, q = l, Bn = u, Vn = d;
+	}
+	function Un(e, t, n, i, a, o, s) {
+		on = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = zn != c || q != l || Bn != u || Vn != d;
+		if (f && p && un(K), sn.setScale && f && p) {
+			let e = c, t = u, n = l, r = d;
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && fn(S, Cn(e, S), Cn(e + t, S)), G) for (let e in b) {
+				let t = b[e];
+				e != S && t.from == null && t.min != ga && fn(e, Cn(n + r, e), Cn(n, e));
+			}
+			Rn();
+		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
+		e != null && (be(ci, vi), er(ci, r, U, W, L, R, null));
+	}
+	function Wn(e, t, n, r, i, a, o) {
+		if (N._lock) return;
+		Ue(e);
+		let s = on;
+		if (on) {
+			let e = !0, t = !0, n, r;
+			D.ori == 0 ? (n = cn, r = G) : (n = G, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Mn(null, !0, !0), on = !1;
+		}
+		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
 	}
 	function Gn(e, t, n, i, a, o, s) {
-		ln = un._x = un._y = !1, Rn(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = W, f = u > 0 || d > 0, p = Bn != c || Vn != l || Hn != u || Un != d;
-		if (f && p && fn(W), un.setScale && f && p) {
-			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), H && mn(S, Tn(e, S), Tn(e + t, S)), U) for (let e in b) {
-				let t = b[e];
-				e != S && t.from == null && t.min != pa && mn(e, Tn(n + r, e), Tn(n, e));
-			}
-			zn();
-		} else N.lock && (N._lock = !N._lock, Pn(t, !0, e != null));
-		e != null && (xe(ai, hi), er(ai, r, V, cn, I, L, null));
+		N._lock || (Ue(e), ft(), Rn(), e != null && er(di, r, U, W, L, R, null));
 	}
-	function Kn(e, t, n, r, i, a, o) {
-		if (N._lock) return;
-		We(e);
-		let s = ln;
-		if (ln) {
-			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = H, r = U) : (n = U, r = H), n && r && (e = V <= 10 || V >= I - 10, t = cn <= 10 || cn >= L - 10), n && e && (V = V < rn ? 0 : I), r && t && (cn = cn < an ? 0 : L), Pn(null, !0, !0), ln = !1;
-		}
-		V = -10, cn = -10, ae.fill(null), Pn(null, !0, !0), s && (ln = s);
+	function Kn() {
+		y.forEach(jc), Le(r.width, r.height, !0);
 	}
-	function qn(e, t, n, i, a, o, s) {
-		N._lock || (We(e), mt(), zn(), e != null && er(ci, r, V, cn, I, L, null));
-	}
-	function Jn() {
-		y.forEach(Oc), Re(r.width, r.height, !0);
-	}
-	Ni(fi, gi, Jn);
-	let Yn = {};
-	Yn.mousedown = Wn, Yn.mousemove = Ln, Yn.mouseup = Gn, Yn.dblclick = qn, Yn.setSeries = (e, t, n, i) => {
-		let a = q.match[2];
-		n = a(r, t, n), n != -1 && hn(n, i, !0, !1);
-	}, oe && (be(ii, m, Wn), be(ri, m, Ln), be(oi, m, (e) => {
-		We(e), In(!1);
-	}), be(si, m, Kn), be(ci, m, qn), fc.add(r), r.syncRect = In);
-	let Xn = r.hooks = e.hooks || {};
-	function K(e, t, n) {
-		Wt ? Gt.push([
+	Ii(hi, yi, Kn);
+	let qn = {};
+	qn.mousedown = Hn, qn.mousemove = Fn, qn.mouseup = Un, qn.dblclick = Gn, qn.setSeries = (e, t, n, i) => {
+		let a = Zn.match[2];
+		n = a(r, t, n), n != -1 && pn(n, i, !0, !1);
+	}, oe && (ye(si, m, Hn), ye(oi, m, Fn), ye(li, m, (e) => {
+		Ue(e), Pn(!1);
+	}), ye(ui, m, Wn), ye(di, m, Gn), hc.add(r), r.syncRect = Pn);
+	let Jn = r.hooks = e.hooks || {};
+	function Yn(e, t, n) {
+		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in Xn && Xn[e].forEach((e) => {
+		]) : e in Jn && Jn[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Xn[t] = (Xn[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Jn[t] = (Jn[t] || []).concat(e.hooks[t]);
 	});
-	let Zn = (e, t, n) => n, q = Ua({
+	let Xn = (e, t, n) => n, Zn = Ka({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: xa,
-			sub: xa
+			pub: wa,
+			sub: wa
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			Sa,
-			Sa,
-			Zn
+			Ta,
+			Ta,
+			Xn
 		],
 		values: [null, null]
 	}, N.sync);
-	q.match.length == 2 && q.match.push(Zn), N.sync = q;
-	let Qn = q.key, $n = Ns(Qn);
+	Zn.match.length == 2 && Zn.match.push(Xn), N.sync = Zn;
+	let Qn = Zn.key, $n = Is(Qn);
 	function er(e, t, n, r, i, a, o) {
-		q.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
+		Zn.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
 	}
 	$n.sub(r);
 	function tr(e, t, n, r, i, a, o) {
-		q.filters.sub(e, t, n, r, i, a, o) && Yn[e](null, t, n, r, i, a, o);
+		Zn.filters.sub(e, t, n, r, i, a, o) && qn[e](null, t, n, r, i, a, o);
 	}
 	r.pub = tr;
 	function nr() {
-		$n.unsub(r), fc.delete(r), ye.clear(), Pi(fi, gi, Jn), l.remove(), F?.remove(), K("destroy");
+		$n.unsub(r), hc.delete(r), ve.clear(), Li(hi, yi, Kn), l.remove(), I?.remove(), Yn("destroy");
 	}
 	r.destroy = nr;
 	function rr() {
-		K("init", e, t), pt(t || e.data, !1), j[S] ? Xt(S, j[S]) : mt(), Ie = W.show && (W.width > 0 || W.height > 0), Fe = Le = !0, Re(e.width, e.height);
+		Yn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Fe = K.show && (K.width > 0 || K.height > 0), Pe = Ie = !0, Le(e.width, e.height);
 	}
-	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
+	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
 }
-kc.assign = Ua, kc.fmtNum = Qi, kc.rangeNum = Ji, kc.rangeLog = Hi, kc.rangeAsinh = Ui, kc.orient = Is, kc.pxRatio = J, kc.join = Ja, kc.fmtDate = so, kc.tzDate = lo, kc.sync = Ns;
+Mc.assign = Ka, Mc.fmtNum = ta, Mc.rangeNum = Zi, Mc.rangeLog = Gi, Mc.rangeAsinh = Ki, Mc.orient = zs, Mc.pxRatio = J, Mc.join = Za, Mc.fmtDate = uo, Mc.tzDate = po, Mc.sync = Is;
 {
-	kc.addGap = Vs, kc.clipGaps = Bs;
-	let e = kc.paths = { points: tc };
-	e.linear = ac, e.stepped = oc, e.bars = cc, e.spline = uc;
+	Mc.addGap = Ws, Mc.clipGaps = Us;
+	let e = Mc.paths = { points: ic };
+	e.linear = cc, e.stepped = lc, e.bars = dc, e.spline = pc;
 }
 // src/phase.tsx
-var [Ac, jc] = [420, 300], $ = {
+var [Nc, Pc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function Mc({ store: e, state: t }) {
-	let [n, r] = B(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (xt(() => {
+function Fc({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (yt(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -6793,12 +6864,12 @@ function Mc({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ z("p", {
+	]), !i || !a) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Ac - $.left - $.right), g = (e) => jc - $.bottom - (e - d) / m * (jc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Nc - $.left - $.right), g = (e) => Pc - $.bottom - (e - d) / m * (Pc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6807,81 +6878,81 @@ function Mc({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ z("figure", {
+	return /* @__PURE__ */ B("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ z("svg", {
-			viewBox: `0 0 ${Ac} ${jc}`,
+		children: /* @__PURE__ */ B("svg", {
+			viewBox: `0 0 ${Nc} ${Pc}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${Se(l)} to ${Se(u)} ${n.units[0]} and from ${Se(d)} to ${Se(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ z("rect", {
+				/* @__PURE__ */ B("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: Ac - $.left - $.right,
-					height: jc - $.top - $.bottom
+					width: Nc - $.left - $.right,
+					height: Pc - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ B("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: jc - $.bottom
+					y2: Pc - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ B("line", {
 					class: "axis",
 					x1: $.left,
-					x2: Ac - $.right,
+					x2: Nc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ z("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ B("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ z("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ B("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ z("circle", {
+				x && /* @__PURE__ */ B("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					x: $.left,
-					y: jc - $.bottom + 14,
-					children: R(l, n.units[0])
+					y: Pc - $.bottom + 14,
+					children: z(l, n.units[0])
 				}),
-				/* @__PURE__ */ z("text", {
-					x: Ac - $.right,
-					y: jc - $.bottom + 14,
+				/* @__PURE__ */ B("text", {
+					x: Nc - $.right,
+					y: Pc - $.bottom + 14,
 					"text-anchor": "end",
-					children: R(u, n.units[0])
+					children: z(u, n.units[0])
 				}),
-				/* @__PURE__ */ z("text", {
-					x: (Ac + $.left) / 2,
-					y: jc - 6,
+				/* @__PURE__ */ B("text", {
+					x: (Nc + $.left) / 2,
+					y: Pc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					x: $.left - 5,
-					y: jc - $.bottom,
+					y: Pc - $.bottom,
 					"text-anchor": "end",
-					children: R(d, n.units[1])
+					children: z(d, n.units[1])
 				}),
-				/* @__PURE__ */ z("text", {
+				/* @__PURE__ */ B("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: R(f, n.units[1])
+					children: z(f, n.units[1])
 				}),
-				/* @__PURE__ */ z("text", {
-					transform: `translate(12,${(jc - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ B("text", {
+					transform: `translate(12,${(Pc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6891,7 +6962,7 @@ function Mc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Nc = [
+var Ic = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6899,16 +6970,16 @@ var Nc = [
 	"--c5",
 	"--c6"
 ];
-function Pc({ store: e, state: t }) {
-	let [n, r] = B(null), [i, a] = B(!1), [o, s] = B(800), c = St(null), l = t.run, [u, d] = t.span;
-	xt(() => {
+function Lc({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = bt(null), l = t.run, [u, d] = t.span;
+	yt(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (xt(() => {
+	if (yt(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -6935,44 +7006,44 @@ function Pc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ z(Fc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ B(Rc, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ z("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ B("p", {
 		class: "hint plots",
 		children: [
 			l?.error ? "" : t.running ? "Running …" : "Press Run.",
 			" ",
-			t.plan && /* @__PURE__ */ z("button", {
+			t.plan && /* @__PURE__ */ B("button", {
 				onClick: () => e.set({ planShown: !0 }),
 				children: "← Sweep"
 			})
 		]
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "plotbar",
 				children: [
-					t.plan && /* @__PURE__ */ z("button", {
+					t.plan && /* @__PURE__ */ B("button", {
 						onClick: () => e.set({ planShown: !0 }),
 						children: "← Sweep"
 					}),
-					l.own && /* @__PURE__ */ z("b", {
+					l.own && /* @__PURE__ */ B("b", {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ z(Ic, {
+					/* @__PURE__ */ B(zc, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ z("label", { children: [
-						/* @__PURE__ */ z("input", {
+					t.runs.length > 1 && /* @__PURE__ */ B("label", { children: [
+						/* @__PURE__ */ B("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -6981,15 +7052,15 @@ function Pc({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ z("button", {
+					!m && /* @__PURE__ */ B("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ z("label", {
+					/* @__PURE__ */ B("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ z("span", { children: "t" }),
-							/* @__PURE__ */ z("input", {
+							/* @__PURE__ */ B("span", { children: "t" }),
+							/* @__PURE__ */ B("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -7000,28 +7071,28 @@ function Pc({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ z("output", { children: p === null ? "" : R(p, "s") })
+							/* @__PURE__ */ B("output", { children: p === null ? "" : z(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+					/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
+					/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			l.doubt && /* @__PURE__ */ z("p", {
+			l.doubt && /* @__PURE__ */ B("p", {
 				class: "doubt",
 				children: l.doubt.said
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ z(Lc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ B(Bc, {
 				name: r,
-				ink: Nc[i % Nc.length],
+				ink: Ic[i % Ic.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -7035,11 +7106,11 @@ function Pc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ z(Mc, {
+			t.phase && /* @__PURE__ */ B(Fc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ z(Vc, {
+			/* @__PURE__ */ B(Wc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7048,14 +7119,14 @@ function Pc({ store: e, state: t }) {
 		]
 	});
 }
-function Fc({ state: e, soFar: t }) {
-	let n = St(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ z("div", {
+function Rc({ state: e, soFar: t }) {
+	let n = bt(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ B("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Lc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ B(Bc, {
 			name: i.name,
-			ink: Nc[a % Nc.length],
+			ink: Ic[a % Ic.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7065,7 +7136,7 @@ function Fc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ z(Vc, {
+		}, i.name)), /* @__PURE__ */ B(Wc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7073,18 +7144,18 @@ function Fc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Ic({ store: e, state: t, run: n }) {
+function zc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ z("span", {
+	return /* @__PURE__ */ B("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ z("button", {
+			t.plotted.map((n) => /* @__PURE__ */ B("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ z("input", {
+			/* @__PURE__ */ B("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -7094,14 +7165,14 @@ function Ic({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ z("datalist", {
+			/* @__PURE__ */ B("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ z("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ B("option", { value: e }))
 			})
 		]
 	});
 }
-var Lc = class extends S {
+var Bc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7120,8 +7191,8 @@ var Lc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Nc[(t + 3) % Nc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : kc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new kc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Ic[(t + 3) % Ic.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Mc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new Mc({
 			width: Math.max(n - 4, 200),
 			height: r ? 138 : 118,
 			padding: [
@@ -7143,7 +7214,7 @@ var Lc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Rc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Vc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7154,7 +7225,7 @@ var Lc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => zc(t, "s")
+				values: (e, t) => Hc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7167,7 +7238,7 @@ var Lc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => zc(t, p)
+				values: (e, t) => Hc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7200,7 +7271,7 @@ var Lc = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${R(f, L(r))} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${z(f, R(r))} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -7222,16 +7293,16 @@ var Lc = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ z("figure", {
+		return /* @__PURE__ */ B("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ z("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ z("output", {
+				/* @__PURE__ */ B("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ B("output", {
 					class: "reading",
-					children: R(n, t.find((e) => !e.error)?.unit ?? "")
+					children: z(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ z("p", {
+				i && /* @__PURE__ */ B("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -7243,13 +7314,13 @@ var Lc = class extends S {
 		});
 	}
 };
-function Rc(e, t, n) {
+function Vc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function zc(e, t) {
+function Hc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7268,9 +7339,9 @@ function zc(e, t) {
 		1e-9: "n",
 		1e-12: "p"
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
-	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${I(t)}`);
+	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${L(t)}`);
 }
-var Bc = [
+var Uc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7280,21 +7351,21 @@ var Bc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Vc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Wc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ z("span", {
+				children: e.map((e) => /* @__PURE__ */ B("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ z("svg", {
+			/* @__PURE__ */ B("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -7304,24 +7375,24 @@ function Vc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ z("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ B("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ z("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ B("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Bc[o % Bc.length],
-						children: /* @__PURE__ */ z("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
+						fill: Uc[o % Uc.length],
+						children: /* @__PURE__ */ B("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ B("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Bc[t % Bc.length],
+						fill: Uc[t % Uc.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ B("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -7329,10 +7400,10 @@ function Vc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ z("div", {
+			/* @__PURE__ */ B("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ z("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ B("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -7344,20 +7415,20 @@ function Vc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Hc = {
+var Gc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Uc = 150, [Wc, Gc, Kc, qc] = [
+}, Kc = 150, [qc, Jc, Yc, Xc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Jc(e) {
+function Zc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7377,26 +7448,26 @@ function Jc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Yc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Gc + Kc) + 120, o = (a - i * Kc - 8) / r, s = (e, t) => {
+function Qc({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Jc + Yc) + 120, o = (a - i * Yc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Kc, r += i;
-			let [c, l] = t ? [qc, Wc / 2 - qc / 2] : [Wc - qc, Wc / 2 + qc / 2], u = (c + l) / 2;
-			return /* @__PURE__ */ z("g", {
+			n += Math.max(i, 1) + Yc, r += i;
+			let [c, l] = t ? [Xc, qc / 2 - Xc / 2] : [qc - Xc, qc / 2 + Xc / 2], u = (c + l) / 2;
+			return /* @__PURE__ */ B("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
-					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
-					/* @__PURE__ */ z("rect", {
-						x: t ? 0 : Wc - qc,
+					/* @__PURE__ */ B("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
+					/* @__PURE__ */ B("rect", {
+						x: t ? 0 : qc - Xc,
 						y: a,
-						width: qc,
+						width: Xc,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ z("text", {
-						x: t ? qc + 4 : Wc - qc - 4,
+					/* @__PURE__ */ B("text", {
+						x: t ? Xc + 4 : qc - Xc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7405,63 +7476,63 @@ function Yc({ gives: e, takes: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ z("svg", {
+	return /* @__PURE__ */ B("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Wc} ${a}`,
+		viewBox: `0 0 ${qc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
 			s(e, !0),
 			s(t, !1),
-			/* @__PURE__ */ z("rect", {
+			/* @__PURE__ */ B("rect", {
 				class: "middle-bar",
-				x: Wc / 2 - qc / 2,
+				x: qc / 2 - Xc / 2,
 				y: 4,
-				width: qc,
+				width: Xc,
 				height: r * o
 			})
 		]
 	});
 }
-function Xc({ store: e, state: t }) {
-	let [n, r] = B(!1);
-	return t.cursor ? /* @__PURE__ */ z("section", {
+function $c({ store: e, state: t }) {
+	let [n, r] = H(!1);
+	return t.cursor ? /* @__PURE__ */ B("section", {
 		class: "power-panel",
-		children: [/* @__PURE__ */ z("div", {
+		children: [/* @__PURE__ */ B("div", {
 			class: "row",
 			role: "group",
 			"aria-label": "What is shown",
-			children: [/* @__PURE__ */ z("button", {
+			children: [/* @__PURE__ */ B("button", {
 				"aria-pressed": !n,
 				onClick: () => r(!1),
 				children: "Power at the cursor"
-			}), /* @__PURE__ */ z("button", {
+			}), /* @__PURE__ */ B("button", {
 				"aria-pressed": n,
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), z(n ? Zc : Qc, {
+		}), B(n ? el : tl, {
 			store: e,
 			state: t
 		})]
-	}) : /* @__PURE__ */ z("p", {
+	}) : /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function Zc({ store: e, state: t }) {
-	let [n, r] = B(null), i = t.cursor.t, a = t.run?.run;
-	if (xt(() => {
+function el({ store: e, state: t }) {
+	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
+	if (yt(() => {
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("energies", {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Uc);
+		}, Kc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
-	}, [a, i]), !n) return /* @__PURE__ */ z("p", {
+	}, [a, i]), !n) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "…"
 	});
@@ -7473,54 +7544,54 @@ function Zc({ store: e, state: t }) {
 			bonds: /* @__PURE__ */ new Set()
 		}) : void 0
 	}), c = (e) => e.reduce((e, t) => e + t.energy, 0);
-	return /* @__PURE__ */ z(x, { children: [
-		/* @__PURE__ */ z("h2", { children: [
+	return /* @__PURE__ */ B(x, { children: [
+		/* @__PURE__ */ B("h2", { children: [
 			"Energy from ",
-			R(n.start, "s"),
+			z(n.start, "s"),
 			" to ",
-			R(n.end, "s")
+			z(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(Yc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ B(Qc, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
-		}) : /* @__PURE__ */ z("p", {
+		}) : /* @__PURE__ */ B("p", {
 			class: "hint",
 			children: "No energy has flowed."
 		}),
-		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
-			/* @__PURE__ */ z("th", {
+		/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
+			/* @__PURE__ */ B("th", {
 				scope: "col",
 				children: "element"
 			}),
-			/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ B("th", {
 				scope: "col",
 				children: "did"
 			}),
-			/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ B("th", {
 				scope: "col",
 				children: "energy"
 			})
-		] }) }), /* @__PURE__ */ z("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ z("tr", { children: [
-			/* @__PURE__ */ z("td", { children: e.name }),
-			/* @__PURE__ */ z("td", { children: t }),
-			/* @__PURE__ */ z("td", {
+		] }) }), /* @__PURE__ */ B("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ B("tr", { children: [
+			/* @__PURE__ */ B("td", { children: e.name }),
+			/* @__PURE__ */ B("td", { children: t }),
+			/* @__PURE__ */ B("td", {
 				class: "figure",
-				children: R(e.energy, "J")
+				children: z(e.energy, "J")
 			})
 		] })) })] }),
-		/* @__PURE__ */ z("p", {
+		/* @__PURE__ */ B("p", {
 			class: "hint",
 			children: [
 				"given ",
-				R(c(n.gives), "J"),
+				z(c(n.gives), "J"),
 				", taken ",
-				R(c(n.takes), "J")
+				z(c(n.takes), "J")
 			]
 		})
 	] });
 }
-function Qc({ store: e, state: t }) {
-	let { found: n, unknown: r } = Jc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function tl({ store: e, state: t }) {
+	let { found: n, unknown: r } = Zc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7528,62 +7599,62 @@ function Qc({ store: e, state: t }) {
 		size: Math.abs(e.power),
 		select: () => l(e.node)
 	});
-	return /* @__PURE__ */ z(x, { children: [
-		/* @__PURE__ */ z("h2", { children: ["Power at t = ", R(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ z(Yc, {
+	return /* @__PURE__ */ B(x, { children: [
+		/* @__PURE__ */ B("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
+		a.length > 0 ? /* @__PURE__ */ B(Qc, {
 			gives: o.map(u),
 			takes: s.map(u)
-		}) : /* @__PURE__ */ z("p", {
+		}) : /* @__PURE__ */ B("p", {
 			class: "hint",
 			children: "No power flows."
 		}),
-		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
-			/* @__PURE__ */ z("th", {
+		/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
+			/* @__PURE__ */ B("th", {
 				scope: "col",
 				children: "element"
 			}),
-			/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ B("th", {
 				scope: "col",
 				children: "does"
 			}),
-			/* @__PURE__ */ z("th", {
+			/* @__PURE__ */ B("th", {
 				scope: "col",
 				children: "power"
 			})
-		] }) }), /* @__PURE__ */ z("tbody", { children: a.map((e) => /* @__PURE__ */ z("tr", {
+		] }) }), /* @__PURE__ */ B("tbody", { children: a.map((e) => /* @__PURE__ */ B("tr", {
 			class: t.nodes.has(e.node.name) ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("td", { children: /* @__PURE__ */ B("button", {
 					class: "link",
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ z("td", { children: (Hc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-				/* @__PURE__ */ z("td", {
+				/* @__PURE__ */ B("td", { children: (Gc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ B("td", {
 					class: "figure",
-					children: R(Math.abs(e.power), "W")
+					children: z(Math.abs(e.power), "W")
 				})
 			]
 		})) })] }),
-		r.length > 0 && /* @__PURE__ */ z("p", {
+		r.length > 0 && /* @__PURE__ */ B("p", {
 			class: "hint",
 			children: ["not determined: ", r.join(", ")]
 		}),
-		/* @__PURE__ */ z("p", {
+		/* @__PURE__ */ B("p", {
 			class: "hint",
 			children: [
 				"supplied and given back ",
-				R(c(o), "W"),
+				z(c(o), "W"),
 				", taken ",
-				R(c(s), "W")
+				z(c(s), "W")
 			]
 		})
 	] });
 }
 // src/splitter.tsx
-function $c(e) {
+function nl(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ z("div", {
+	return /* @__PURE__ */ B("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -7612,12 +7683,12 @@ function $c(e) {
 	});
 }
 // src/transport.ts
-var el = class extends Error {
+var rl = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, tl = class {
+}, il = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7653,19 +7724,19 @@ var el = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new el(e.error)) : t.done(e);
+			e.error ? t.failed(new rl(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function nl({ store: e, state: t }) {
-	let [n, r] = B(null), [i, a] = B(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	xt(() => {
+function al({ store: e, state: t }) {
+	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	yt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof el ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof rl ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7696,32 +7767,32 @@ function nl({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ z("section", {
+	return /* @__PURE__ */ B("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ z("p", {
+		children: [i && /* @__PURE__ */ B("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ z("svg", {
+		}), n && /* @__PURE__ */ B("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ z("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ B("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : "") + (f(e.name, e.key) ? " off" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => p(t, e.name, e.key),
 				onDblClick: () => m(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ z("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ z("text", {
+				children: [e.about && /* @__PURE__ */ B("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ B("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("path", {
+				}) : /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ z("path", {
+				}), /* @__PURE__ */ B("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -7730,7 +7801,7 @@ function nl({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var rl = [
+var ol = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7740,7 +7811,7 @@ var rl = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], il = class extends S {
+], sl = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7788,39 +7859,39 @@ var rl = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ z("div", {
+		if (!n) return /* @__PURE__ */ B("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ z("main", {
+		return /* @__PURE__ */ B("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ z(ol, {
+				/* @__PURE__ */ B(ll, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ z("div", {
+				/* @__PURE__ */ B("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ z(Tn, {
+						/* @__PURE__ */ B(En, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ z("div", {
+						/* @__PURE__ */ B("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ z(nt, {
+							children: [/* @__PURE__ */ B(tt, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ z(nl, {
+							}), t.schematic && /* @__PURE__ */ B(al, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ z($c, {
+						/* @__PURE__ */ B(nl, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7832,64 +7903,64 @@ var rl = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ z("aside", {
+						/* @__PURE__ */ B("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ z("div", {
+							children: [/* @__PURE__ */ B("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: rl.map(([r, a]) => /* @__PURE__ */ z("button", {
+								children: ol.map(([r, a]) => /* @__PURE__ */ B("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ z("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ B("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ z("div", {
+							}), /* @__PURE__ */ B("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ z(Wt, {
+									t.tab === "item" && /* @__PURE__ */ B(Gt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ z(sn, {
+									t.tab === "machines" && /* @__PURE__ */ B(on, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ z(_n, {
+									t.tab === "model" && /* @__PURE__ */ B(vn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ z(xn, {
+									t.tab === "problems" && /* @__PURE__ */ B(Sn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ z(Sn, {
+									t.tab === "table" && /* @__PURE__ */ B(Cn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ z(Cn, {
+									t.tab === "text" && /* @__PURE__ */ B(wn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ z(Rt, {
+									t.tab === "equations" && /* @__PURE__ */ B(zt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ z(Xc, {
+									t.tab === "power" && /* @__PURE__ */ B($c, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ z(Kn, {
+									t.tab === "plan" && /* @__PURE__ */ B(qn, {
 										store: e,
 										state: t
 									})
@@ -7898,9 +7969,9 @@ var rl = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ z("div", {
+				t.bottom && /* @__PURE__ */ B("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ z($c, {
+					children: [/* @__PURE__ */ B(nl, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7911,33 +7982,33 @@ var rl = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ z(_r, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ B(br, {
 						store: e,
 						state: t,
 						plan: t.plan
-					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(pn, {
+					}) : /* @__PURE__ */ B(x, { children: [t.sweep ? /* @__PURE__ */ B(mn, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ z(Pc, {
+					}) : /* @__PURE__ */ B(Lc, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ z(Nt, {
+					}), /* @__PURE__ */ B(jt, {
 						store: e,
 						state: t
 					})] })]
 				}),
-				/* @__PURE__ */ z("footer", { children: [
-					/* @__PURE__ */ z("span", {
+				/* @__PURE__ */ B("footer", { children: [
+					/* @__PURE__ */ B("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ z(al, {
+					/* @__PURE__ */ B(cl, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ z("button", {
+					/* @__PURE__ */ B("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -7945,34 +8016,38 @@ var rl = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ z("button", {
+					/* @__PURE__ */ B("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ z(jn, {
+				t.adding && n.view.editable && /* @__PURE__ */ B(Mn, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ z("div", {
+				t.finding && /* @__PURE__ */ B(It, {
+					store: e,
+					state: t
+				}),
+				t.notice && /* @__PURE__ */ B("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ z("b", { children: t.notice.code }),
+						/* @__PURE__ */ B("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ z("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ B("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ z("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ z("button", {
+						t.notice.try && /* @__PURE__ */ B("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ B("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ z("div", {
+				!t.connected && /* @__PURE__ */ B("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -7981,75 +8056,75 @@ var rl = [
 		});
 	}
 };
-function al({ store: e, state: t }) {
+function cl({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ z("span", {
+	return n.length ? /* @__PURE__ */ B("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ z("b", { children: ["t = ", R(t.cursor.t, "s", 6)] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ z("label", { children: [t.path, /* @__PURE__ */ z("select", {
+			t.cursor && /* @__PURE__ */ B("b", { children: ["t = ", z(t.cursor.t, "s", 6)] }),
+			n.slice(0, 8).map((t) => /* @__PURE__ */ B("label", { children: [t.path, /* @__PURE__ */ B("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ z("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ B("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function ol({ store: e, state: t, errors: n }) {
+function ll({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ z("header", { children: [
-		/* @__PURE__ */ z(sl, {
+	return /* @__PURE__ */ B("header", { children: [
+		/* @__PURE__ */ B(ul, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ z("h1", {
+		/* @__PURE__ */ B("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ z("span", {
+		/* @__PURE__ */ B("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ z("span", { class: "spring" }),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("span", { class: "spring" }),
+		/* @__PURE__ */ B("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "+"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.arrange(),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -8057,22 +8132,22 @@ function ol({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("progress", {
+		i ? /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ z("button", {
+		}), /* @__PURE__ */ B("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ z("button", {
+		})] }) : /* @__PURE__ */ B("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ z("button", {
+		/* @__PURE__ */ B("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -8080,7 +8155,7 @@ function ol({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function sl({ store: e, state: t }) {
+function ul({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8115,85 +8190,85 @@ function sl({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ z("details", {
+	return /* @__PURE__ */ B("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ z("summary", {
+		children: [/* @__PURE__ */ B("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ z("div", {
+		}), /* @__PURE__ */ B("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ z("hr", {}),
+				/* @__PURE__ */ B("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ z("button", {
+				].map((e) => /* @__PURE__ */ B("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ z("button", {
+				/* @__PURE__ */ B("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ z("hr", {}),
-				/* @__PURE__ */ z("label", { children: [
+				/* @__PURE__ */ B("hr", {}),
+				/* @__PURE__ */ B("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ z("select", {
+					/* @__PURE__ */ B("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ z("option", {
+						children: [/* @__PURE__ */ B("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ z("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ B("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ z("label", { children: [
+				/* @__PURE__ */ B("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ z("select", {
+					/* @__PURE__ */ B("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ z("option", {
+						children: [/* @__PURE__ */ B("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ z("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ B("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ z("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ B("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/sharing.ts
-function cl(e, t) {
+function dl(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = cl(n[e], r[e]);
+		let t = dl(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var ll = {
+var fl = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8219,6 +8294,7 @@ var ll = {
 	plotted: [],
 	span: [0, 1],
 	adding: !1,
+	finding: !1,
 	arranged: 0,
 	bottom: !1,
 	panel: "",
@@ -8230,21 +8306,21 @@ var ll = {
 		side: 340,
 		low: 0
 	}
-}, ul = [
+}, pl = [
 	"C",
 	"I",
 	"R",
 	"G",
 	"Se",
 	"Sf"
-], dl = .9;
-function fl(e) {
+], ml = .9;
+function hl(e) {
 	let t = e.ports ?? [];
-	return t.length ? Ae(e, t.map((e, t) => "we"[t % 2]).join("")).half / Ee[0] : .3;
+	return t.length ? ke(e, t.map((e, t) => "we"[t % 2]).join("")).half / Te[0] : .3;
 }
-var pl = 32, ml = class {
+var gl = 32, _l = class {
 	transport;
-	state = ll;
+	state = fl;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8287,7 +8363,7 @@ var pl = 32, ml = class {
 		}
 	}
 	refused(e) {
-		e instanceof el ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof rl ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8295,7 +8371,7 @@ var pl = 32, ml = class {
 		} });
 	}
 	take(e) {
-		let t = cl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = dl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8348,7 +8424,7 @@ var pl = 32, ml = class {
 		let t = new Set((this.state.look?.view.nodes ?? []).map((e) => e.name)), n = this.state.plotted.some((n) => e.names?.includes(n) || t.has(n.replace(/\.[ef]$/, "")));
 		this.set({
 			run: e,
-			plotted: n ? this.state.plotted : (e.plot ?? []).slice(0, pl),
+			plotted: n ? this.state.plotted : (e.plot ?? []).slice(0, gl),
 			span: [e.tBegin ?? 0, e.tEnd ?? 1],
 			cursor: null,
 			instant: null,
@@ -8396,11 +8472,11 @@ var pl = 32, ml = class {
 	freePlace(e) {
 		let t = this.state.look?.view.nodes ?? [];
 		if (!t.length) return [0, 0];
-		let n = ul.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !ul.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < fl(t) + (s ? dl : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
+		let n = pl.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !pl.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < hl(t) + (s ? ml : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
 			...d,
 			[0, -1],
 			[0, 1]
-		] : [], p = s || fl(o) > .3 ? [
+		] : [], p = s || hl(o) > .3 ? [
 			[1, 0],
 			[2, 0],
 			[3, 0],
@@ -8574,7 +8650,7 @@ var pl = 32, ml = class {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = cl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = dl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8591,11 +8667,11 @@ var pl = 32, ml = class {
 	}
 };
 // src/widget.tsx
-function hl({ model: e, el: t }) {
-	let n = new tl(), r = new ml(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ z(il, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), F(null, t);
+function vl({ model: e, el: t }) {
+	let n = new il(), r = new _l(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ B(sl, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), I(null, t);
 	};
 }
-var gl = { render: hl };
-export { gl as default, hl as render };
+var yl = { render: vl };
+export { yl as default, vl as render };
