@@ -16,6 +16,9 @@ interface Found {
   bond: boolean;
 }
 
+/** Letters as they are typed: a capacitor of 2 µF is looked for by "2 uF", 10 Ω by "10 ohm". */
+const typed = (text: string) => text.toLowerCase().replaceAll(/[µμ]/g, "u").replaceAll(/[Ωω]/g, "ohm");
+
 /** What is called so: names that are it, that begin with it, that have it; then bonds and values. */
 function search(state: State, words: string): Found[] {
   const view = state.look?.view;
@@ -24,7 +27,7 @@ function search(state: State, words: string): Found[] {
     name === words ? 0 : name.startsWith(words) ? 1 : name.includes(words) ? 2 : about.includes(words) ? 4 : 9;
   const nodes = view.nodes.map((n) => {
     const about = n.kind === "part" ? String(n.entry.submodel ?? "") : [n.letters, n.says].filter(Boolean).join(" ");
-    return { key: n.name, said: n.name, about, bond: false, rank: rank(n.name.toLowerCase(), about.toLowerCase()) };
+    return { key: n.name, said: n.name, about, bond: false, rank: rank(n.name.toLowerCase(), typed(about)) };
   });
   const bonds = view.bonds.map((b) => ({
     key: b.key,
@@ -39,7 +42,7 @@ function search(state: State, words: string): Found[] {
 export function Find({ store, state }: Props) {
   const [text, setText] = useState("");
   const [chosen, choose] = useState(0);
-  const found = search(state, text.trim().toLowerCase());
+  const found = search(state, typed(text.trim()));
   const close = () => {
     document.querySelector<SVGSVGElement>(".canvas svg")?.focus();
     store.set({ finding: false });

@@ -476,5 +476,15 @@ class Signal(Asked):
     def __len__(self) -> int:
         return len(self.t)
 
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+        """Return the values, for NumPy and what plots with it."""
+        return np.array(self.y, dtype=dtype) if copy else np.asarray(self.y, dtype=dtype)
+
+    def __getitem__(self, k: object) -> Any:
+        raise TypeError(
+            f"a Signal has no [{k!r}]: a number may be a point or a time; try: signal.y[{k!r}] of "
+            "the points at signal.t; signal.at(0.1) at a time"
+        )
+
     def __repr__(self) -> str:
         return f"<Signal {self.name} [{self.unit}], {len(self.t)} points>"

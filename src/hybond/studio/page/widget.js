@@ -1738,8 +1738,8 @@ function Nt({ store: e, state: t, event: n }) {
 	});
 }
 // src/find.tsx
-var Pt = 10;
-function Ft(e, t) {
+var Pt = 10, Ft = (e) => e.toLowerCase().replaceAll(/[µμ]/g, "u").replaceAll(/[Ωω]/g, "ohm");
+function It(e, t) {
 	let n = e.look?.view;
 	if (!n || !t) return [];
 	let r = (e, n) => e === t ? 0 : e.startsWith(t) ? 1 : e.includes(t) ? 2 : n.includes(t) ? 4 : 9, i = n.nodes.map((e) => {
@@ -1749,7 +1749,7 @@ function Ft(e, t) {
 			said: e.name,
 			about: t,
 			bond: !1,
-			rank: r(e.name.toLowerCase(), t.toLowerCase())
+			rank: r(e.name.toLowerCase(), Ft(t))
 		};
 	}), a = n.bonds.map((e) => ({
 		key: e.key,
@@ -1760,8 +1760,8 @@ function Ft(e, t) {
 	}));
 	return [...i, ...a].filter((e) => e.rank < 9).sort((e, t) => e.rank - t.rank);
 }
-function It({ store: e, state: t }) {
-	let [n, r] = H(""), [i, a] = H(0), o = Ft(t, n.trim().toLowerCase()), s = () => {
+function Lt({ store: e, state: t }) {
+	let [n, r] = H(""), [i, a] = H(0), o = It(t, Ft(n.trim())), s = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ finding: !1 });
 	}, c = (t) => {
 		t && (e.set({
@@ -1805,16 +1805,16 @@ function It({ store: e, state: t }) {
 	});
 }
 // src/formulas.tsx
-var Lt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function Rt(e) {
+var Rt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function zt(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Lt.has(t) ? t : "mrow", {
+	return v(Rt.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(Rt));
+	}, ...r.map(zt));
 }
-function zt({ store: e, state: t }) {
+function Bt({ store: e, state: t }) {
 	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
 	return yt(() => {
 		let t = !1;
@@ -1856,7 +1856,7 @@ function zt({ store: e, state: t }) {
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: Rt(o.formula)
+				children: zt(o.formula)
 			}) : o && /* @__PURE__ */ B("pre", {
 				class: "equations",
 				tabindex: 0,
@@ -1870,9 +1870,9 @@ function zt({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var Bt = 0;
-function Vt(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++Bt}`), i = bt(!1);
+var Vt = 0;
+function Ht(e) {
+	let [t, n] = H(e.value), [r] = H(() => `list${++Vt}`), i = bt(!1);
 	return yt(() => {
 		i.current || n(e.value);
 	}, [e.value]), /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("input", {
@@ -1897,15 +1897,15 @@ function Vt(e) {
 		children: e.list.map((e) => /* @__PURE__ */ B("option", { value: e }))
 	})] });
 }
-function Ht(e) {
+function Ut(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Ut = {
+var Wt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Wt = {
+}, Gt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -1916,9 +1916,9 @@ var Ut = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Gt({ store: e, state: t }) {
+function Kt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ B(Xt, {
+	if (r.length === 1) return /* @__PURE__ */ B(Zt, {
 		store: e,
 		state: t,
 		node: r[0]
@@ -1927,12 +1927,12 @@ function Gt({ store: e, state: t }) {
 		let r = i[0], a = t.cursor?.values[r.key];
 		return /* @__PURE__ */ B("section", { children: [
 			/* @__PURE__ */ B("h2", { children: "Bond" }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "written" }), /* @__PURE__ */ B(Vt, {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "written" }), /* @__PURE__ */ B(Ht, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void Kt(e, t, r.key, n)
+				onWrite: (n) => void qt(e, t, r.key, n)
 			})] }),
 			a && /* @__PURE__ */ B("p", { children: [
 				"effort ",
@@ -1964,21 +1964,21 @@ function Gt({ store: e, state: t }) {
 		class: "row",
 		children: [
 			/* @__PURE__ */ B("button", {
-				onClick: () => qt(e, r, "y"),
+				onClick: () => Jt(e, r, "y"),
 				children: "In a row"
 			}),
 			/* @__PURE__ */ B("button", {
-				onClick: () => qt(e, r, "x"),
+				onClick: () => Jt(e, r, "x"),
 				children: "In a column"
 			}),
 			/* @__PURE__ */ B("button", {
 				disabled: r.length < 3,
-				onClick: () => Jt(e, r, "x"),
+				onClick: () => Yt(e, r, "x"),
 				children: "Evenly across"
 			}),
 			/* @__PURE__ */ B("button", {
 				disabled: r.length < 3,
-				onClick: () => Jt(e, r, "y"),
+				onClick: () => Yt(e, r, "y"),
 				children: "Evenly down"
 			}),
 			/* @__PURE__ */ B("button", {
@@ -1990,12 +1990,12 @@ function Gt({ store: e, state: t }) {
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ B(Yt, {
+	})] }) : /* @__PURE__ */ B(Xt, {
 		store: e,
 		state: t
 	});
 }
-async function Kt(e, t, n, r) {
+async function qt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2010,14 +2010,14 @@ async function Kt(e, t, n, r) {
 		text: r
 	}));
 }
-function qt(e, t, n) {
+function Jt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Jt(e, t, n) {
+function Yt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -2027,7 +2027,7 @@ function Jt(e, t, n) {
 		at: o
 	});
 }
-function Yt({ store: e, state: t }) {
+function Xt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
@@ -2035,7 +2035,7 @@ function Yt({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ B("section", { children: [
 		/* @__PURE__ */ B("h2", { children: "Model" }),
-		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "title" }), /* @__PURE__ */ B(Vt, {
+		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "title" }), /* @__PURE__ */ B(Ht, {
 			label: "Title",
 			first: !0,
 			value: n.title,
@@ -2071,7 +2071,7 @@ function Yt({ store: e, state: t }) {
 		})
 	] });
 }
-function Xt({ store: e, state: t, node: n }) {
+function Zt({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2087,24 +2087,24 @@ function Xt({ store: e, state: t, node: n }) {
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
 	return /* @__PURE__ */ B("section", { children: [
 		/* @__PURE__ */ B("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "name" }), /* @__PURE__ */ B(Vt, {
+		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "name" }), /* @__PURE__ */ B(Ht, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ B(Zt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ B(Qt, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Ut[n.kind]?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: ["start ", e] }), /* @__PURE__ */ B(Vt, {
+		Wt[n.kind]?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: ["start ", e] }), /* @__PURE__ */ B(Ht, {
 			label: `Start value ${e}`,
-			value: en(i[e]),
+			value: tn(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], Ht(t))
+			onWrite: (t) => a([e], Ut(t))
 		})] })),
 		s && /* @__PURE__ */ B(x, { children: [
 			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "kind" }), /* @__PURE__ */ B("select", {
@@ -2121,7 +2121,7 @@ function Xt({ store: e, state: t, node: n }) {
 			})] }),
 			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "law" }), /* @__PURE__ */ B("select", {
 				disabled: r,
-				value: en(i.law),
+				value: tn(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ B("option", {
 					value: "",
@@ -2131,13 +2131,13 @@ function Xt({ store: e, state: t, node: n }) {
 					children: e
 				}))]
 			})] }),
-			(Wt[en(i.law)] ?? []).map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Vt, {
+			(Gt[tn(i.law)] ?? []).map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Ht, {
 				label: e,
-				value: en(i[e]),
+				value: tn(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], Ht(t))
+				onWrite: (t) => a([e], Ut(t))
 			})] })),
-			/* @__PURE__ */ B(Qt, {
+			/* @__PURE__ */ B($t, {
 				store: e,
 				state: t,
 				node: n
@@ -2153,21 +2153,21 @@ function Xt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Vt, {
+				return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Ht, {
 					label: e,
-					value: en(t),
+					value: tn(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Ht(t))
+					onWrite: (t) => a(["parameters", e], Ut(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [e, " ⟵"] }), /* @__PURE__ */ B(Vt, {
+			n.inputs?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [e, " ⟵"] }), /* @__PURE__ */ B(Ht, {
 				label: `Input ${e}`,
-				value: en(i.inputs?.[e]),
+				value: tn(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: tn(t),
-				onWrite: (t) => a(["inputs", e], Ht(t))
+				list: nn(t),
+				onWrite: (t) => a(["inputs", e], Ut(t))
 			})] })),
 			n.known && /* @__PURE__ */ B("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
@@ -2196,11 +2196,11 @@ function Xt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Zt({ node: e, off: t, set: n }) {
+function Qt({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [i, " ="] }), /* @__PURE__ */ B(Vt, {
+		if (typeof a == "string") return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [i, " ="] }), /* @__PURE__ */ B(Ht, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2211,18 +2211,18 @@ function Zt({ node: e, off: t, set: n }) {
 	return typeof r == "object" && r ? /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "value" }), /* @__PURE__ */ B(Vt, {
+	}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "value" }), /* @__PURE__ */ B(Ht, {
 		label: "Value",
 		first: !0,
-		value: en(r),
+		value: tn(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Ht(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Ut(t) ?? 1);
 		}
 	})] });
 }
-function Qt({ store: e, state: t, node: n }) {
+function $t({ store: e, state: t, node: n }) {
 	let r = t.look;
 	return n.machine ? /* @__PURE__ */ B("p", { children: ["switched by ", /* @__PURE__ */ B("button", {
 		class: "link",
@@ -2232,7 +2232,7 @@ function Qt({ store: e, state: t, node: n }) {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", $t(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", en(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2245,14 +2245,14 @@ function Qt({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function $t(e, t) {
+function en(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function en(e) {
+function tn(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function tn(e) {
+function nn(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2260,9 +2260,9 @@ function tn(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var nn = 250, rn = /[A-Za-z_][\w.]*$/, an = 0;
-function U(e) {
-	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++an}`), u = bt(null), d = bt(!1), f = bt(0);
+var rn = 250, an = /[A-Za-z_][\w.]*$/, U = 0;
+function W(e) {
+	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++U}`), u = bt(null), d = bt(!1), f = bt(0);
 	yt(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
@@ -2271,14 +2271,14 @@ function U(e) {
 	}, m = () => {
 		let t = u.current.value;
 		n(t);
-		let r = rn.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
+		let r = an.exec(t.slice(0, u.current.selectionStart ?? t.length))?.[0] ?? "", a = r.toLowerCase(), s = r ? e.words.filter((e) => e !== r && e.toLowerCase().includes(a)) : [];
 		s.sort((e, t) => Number(t.toLowerCase().startsWith(a)) - Number(e.toLowerCase().startsWith(a))), i(s.slice(0, 8)), o(-1);
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, nn);
+		}, rn);
 	}, h = (e) => {
-		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(rn, e);
+		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(an, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
 	}, g = () => {
 		d.current = !1, f.current++, p(), t !== e.value && e.onWrite(t);
@@ -2347,7 +2347,7 @@ function U(e) {
 	});
 }
 // src/machines.tsx
-function W(e) {
+function on(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2355,11 +2355,11 @@ function W(e) {
 		guard: t[3]
 	} : null;
 }
-function on({ store: e, state: t }) {
+function sn({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
 	return /* @__PURE__ */ B("section", { children: [
 		/* @__PURE__ */ B("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ B(sn, {
+		r.map(([n, r]) => /* @__PURE__ */ B(cn, {
 			store: e,
 			state: t,
 			name: n,
@@ -2367,7 +2367,7 @@ function on({ store: e, state: t }) {
 		}, n)),
 		n.view.editable && /* @__PURE__ */ B("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = $t([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = en([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2399,7 +2399,7 @@ function on({ store: e, state: t }) {
 		})
 	] });
 }
-function sn({ store: e, state: t, name: n, machine: r }) {
+function cn({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2425,7 +2425,7 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 		children: [
 			/* @__PURE__ */ B("div", {
 				class: "row",
-				children: [/* @__PURE__ */ B(Vt, {
+				children: [/* @__PURE__ */ B(Ht, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2445,7 +2445,7 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ B(cn, {
+			/* @__PURE__ */ B(ln, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
@@ -2465,7 +2465,7 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ B(Vt, {
+					/* @__PURE__ */ B(Ht, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2491,7 +2491,7 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ B(Vt, {
+					/* @__PURE__ */ B(Ht, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2508,7 +2508,7 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = W(e), o = i && /\bpre\s*\(/.test(i.guard);
+				let i = on(e), o = i && /\bpre\s*\(/.test(i.guard);
 				return /* @__PURE__ */ B("div", {
 					class: "row rule",
 					children: [i ? /* @__PURE__ */ B(x, { children: [
@@ -2527,11 +2527,11 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
 							children: c.map((e) => /* @__PURE__ */ B("option", { children: e }))
 						}),
-						/* @__PURE__ */ B(U, {
+						/* @__PURE__ */ B(W, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: tn(t),
+							words: nn(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
@@ -2540,7 +2540,7 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ B(Vt, {
+					] }) : /* @__PURE__ */ B(Ht, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
@@ -2560,14 +2560,14 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 						...r,
 						states: {
 							...r.states,
-							[$t(c, "state")]: []
+							[en(c, "state")]: []
 						}
 					}),
 					children: "Add state"
 				}), /* @__PURE__ */ B("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => W(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => on(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2579,8 +2579,8 @@ function sn({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function cn({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(W).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+function ln({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(on).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
 	return /* @__PURE__ */ B("div", {
 		class: "diagram",
 		children: /* @__PURE__ */ B("svg", {
@@ -2659,7 +2659,7 @@ function cn({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [G, K] = [720, 190], ln = 74, [un, dn] = [8, 20], fn = [
+var [G, un] = [720, 190], dn = 74, [fn, pn] = [8, 20], mn = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2669,10 +2669,10 @@ var [G, K] = [720, 190], ln = 74, [un, dn] = [8, 20], fn = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function pn(e) {
+function hn(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function mn({ store: e, state: t }) {
+function gn({ store: e, state: t }) {
 	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
 	return /* @__PURE__ */ B("div", {
 		class: "plots sweep",
@@ -2728,14 +2728,14 @@ function mn({ store: e, state: t }) {
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ B(hn, {
+			o.map((e, t) => /* @__PURE__ */ B(_n, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ B(gn, {
+			/* @__PURE__ */ B(vn, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -2744,7 +2744,7 @@ function mn({ store: e, state: t }) {
 		]
 	});
 }
-function hn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function _n({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
 	if (!a.length || o > s) return /* @__PURE__ */ B("p", {
@@ -2755,7 +2755,7 @@ function hn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => ln + e / n * (G - ln - 8), d = (e) => K - dn - (e - o) / l * (K - dn - un), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => dn + e / n * (G - dn - 8), d = (e) => un - pn - (e - o) / l * (un - pn - fn), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
@@ -2764,20 +2764,20 @@ function hn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
 	return r !== null && p.push(r), /* @__PURE__ */ B("svg", {
 		class: "family",
-		viewBox: `0 0 ${G} ${K}`,
+		viewBox: `0 0 ${G} ${un}`,
 		role: "img",
 		"aria-label": `${e} of ${a.length} runs, between ${xe(o)} and ${xe(s)} ${c}`,
 		children: [
 			/* @__PURE__ */ B("rect", {
 				class: "box",
-				x: ln,
-				y: un,
-				width: G - ln - 8,
-				height: K - dn - un
+				x: dn,
+				y: fn,
+				width: G - dn - 8,
+				height: un - pn - fn
 			}),
 			o < 0 && s > 0 && /* @__PURE__ */ B("line", {
 				class: "axis",
-				x1: ln,
+				x1: dn,
 				x2: G - 8,
 				y1: d(0),
 				y2: d(0)
@@ -2787,47 +2787,47 @@ function hn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 				return !n || n.error ? null : /* @__PURE__ */ B("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${pn(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${hn(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
 					children: /* @__PURE__ */ B("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
 			/* @__PURE__ */ B("text", {
 				x: 69,
-				y: un + 9,
+				y: fn + 9,
 				"text-anchor": "end",
 				children: z(s, c)
 			}),
 			/* @__PURE__ */ B("text", {
 				x: 69,
-				y: K - dn,
+				y: un - pn,
 				"text-anchor": "end",
 				children: z(o, c)
 			}),
 			/* @__PURE__ */ B("text", {
 				class: "what",
-				transform: `translate(12,${(K - dn) / 2}) rotate(-90)`,
+				transform: `translate(12,${(un - pn) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
 			/* @__PURE__ */ B("text", {
-				x: ln,
-				y: K - 5,
+				x: dn,
+				y: un - 5,
 				children: "0 s"
 			}),
 			/* @__PURE__ */ B("text", {
 				x: G - 8,
-				y: K - 5,
+				y: un - 5,
 				"text-anchor": "end",
 				children: z(n, "s")
 			})
 		]
 	});
 }
-function gn({ sweep: e, end: t, chosen: n, choose: r }) {
+function vn({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (G - ln - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (G - dn - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -2849,53 +2849,53 @@ function gn({ sweep: e, end: t, chosen: n, choose: r }) {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
 					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ B("rect", {
-						x: ln + c * o,
+						x: dn + c * o,
 						width: o + .4,
-						y: un + 150 * (1 - n / a),
+						y: fn + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: fn[r % fn.length],
+						fill: mn[r % mn.length],
 						children: /* @__PURE__ */ B("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
 				/* @__PURE__ */ B("text", {
 					x: 69,
-					y: un + 9,
+					y: fn + 9,
 					"text-anchor": "end",
 					children: z(t, "s")
 				}),
 				/* @__PURE__ */ B("text", {
 					x: 69,
-					y: un + 150,
+					y: fn + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
 				/* @__PURE__ */ B("text", {
-					x: ln,
-					y: un + 150 + 14,
+					x: dn,
+					y: fn + 150 + 14,
 					children: e.values[0]
 				}),
 				/* @__PURE__ */ B("text", {
 					x: G - 8,
-					y: un + 150 + 14,
+					y: fn + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
 				/* @__PURE__ */ B("text", {
 					class: "what",
-					x: (ln + G) / 2,
-					y: un + 150 + 18,
+					x: (dn + G) / 2,
+					y: fn + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
 		}), /* @__PURE__ */ B("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ B("span", { children: [
-			/* @__PURE__ */ B("i", { style: `background: ${fn[t % fn.length]}` }),
+			/* @__PURE__ */ B("i", { style: `background: ${mn[t % mn.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function _n({ store: e, path: t, low: n, high: r, onDone: i }) {
+function yn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
@@ -2930,7 +2930,7 @@ function _n({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function vn({ store: e, state: t }) {
+function bn({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
@@ -2939,7 +2939,7 @@ function vn({ store: e, state: t }) {
 		let c = Object.entries(n.panels[i]);
 		return /* @__PURE__ */ B(x, { children: [
 			/* @__PURE__ */ B("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ B(bn, {
+			c.map(([n, r]) => /* @__PURE__ */ B(Sn, {
 				store: e,
 				state: t,
 				section: i,
@@ -2957,7 +2957,7 @@ function vn({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, $t(t, e)], s);
+					a([i, en(t, e)], s);
 				},
 				children: "Add"
 			})
@@ -2969,14 +2969,14 @@ function vn({ store: e, state: t }) {
 		o("inputs", "Inputs", { constant: 1 }),
 		!t.level && /* @__PURE__ */ B(x, { children: [
 			/* @__PURE__ */ B("h2", { children: "Run" }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Vt, {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Ht, {
 				label: "Until",
-				value: en(i.until),
+				value: tn(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Ht(e))
+				onWrite: (e) => void a(["experiment", "until"], Ut(e))
 			})] }),
 			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "solver" }), /* @__PURE__ */ B("select", {
-				value: en(i.solver),
+				value: tn(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
 				children: [/* @__PURE__ */ B("option", {
 					value: "",
@@ -2987,24 +2987,24 @@ function vn({ store: e, state: t }) {
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "rtol" }), /* @__PURE__ */ B(Vt, {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "rtol" }), /* @__PURE__ */ B(Ht, {
 				label: "Relative tolerance",
-				value: en(i.rtol),
+				value: tn(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Ht(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Ut(e))
 			})] })
 		] })
 	] });
 }
-var yn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function bn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? yn.exec(en(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+var xn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function Sn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? xn.exec(tn(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
 	return /* @__PURE__ */ B("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
 			/* @__PURE__ */ B("label", { children: [
-				/* @__PURE__ */ B(Vt, {
+				/* @__PURE__ */ B(Ht, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3014,17 +3014,17 @@ function bn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ B(Vt, {
+				o ? /* @__PURE__ */ B(Ht, {
 					label: r,
-					value: en(i),
+					value: tn(i),
 					disabled: a,
-					list: n === "signals" ? tn(t) : void 0,
+					list: n === "signals" ? nn(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: Ht(t)
+						value: Ut(t)
 					})
-				}) : /* @__PURE__ */ B(xn, {
+				}) : /* @__PURE__ */ B(Cn, {
 					store: e,
 					path: [n, r],
 					value: i,
@@ -3049,7 +3049,7 @@ function bn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ B(_n, {
+			l && s && /* @__PURE__ */ B(yn, {
 				store: e,
 				path: d,
 				low: f(.5),
@@ -3075,20 +3075,20 @@ function bn({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function xn({ store: e, path: t, value: n, off: r }) {
+function Cn({ store: e, path: t, value: n, off: r }) {
 	return /* @__PURE__ */ B("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ B(xn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ B(Cn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: n }), /* @__PURE__ */ B(Vt, {
+		}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: n }), /* @__PURE__ */ B(Ht, {
 			label: `${t.join(" ")} ${n}`,
-			value: en(i),
+			value: tn(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = Ht(r);
+				let i = Ut(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3101,7 +3101,7 @@ function xn({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function Sn({ store: e, state: t }) {
+function wn({ store: e, state: t }) {
 	let n = t.look.problems;
 	return /* @__PURE__ */ B("section", { children: [
 		/* @__PURE__ */ B("h2", { children: "Problems" }),
@@ -3124,7 +3124,7 @@ function Sn({ store: e, state: t }) {
 		})
 	] });
 }
-function Cn({ store: e, state: t }) {
+function Tn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
 	return /* @__PURE__ */ B("section", {
 		class: "tables",
@@ -3206,7 +3206,7 @@ function Cn({ store: e, state: t }) {
 		]
 	});
 }
-function wn({ store: e, state: t }) {
+function En({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
 	yt(() => {
 		let t = !1;
@@ -3250,7 +3250,7 @@ function wn({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function Tn(e) {
+function Dn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3273,8 +3273,8 @@ function Tn(e) {
 		parts: r
 	};
 }
-function En({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = Tn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function On({ store: e, state: t }) {
+	let [n, r] = H(""), { kinds: i, parts: a } = Dn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
@@ -3333,19 +3333,19 @@ function En({ store: e, state: t }) {
 		]
 	});
 }
-var Dn = /^[A-Za-z_]\w*$/, On = 8, kn = 5;
-function An(e, t) {
+var kn = /^[A-Za-z_]\w*$/, An = 8, jn = 5;
+function Mn(e, t) {
 	let n = e.letters.replaceAll("_", " ").toLowerCase(), r = t.replaceAll("_", " ");
-	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : kn;
+	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : jn;
 }
-function jn(e) {
+function Nn(e) {
 	let t = (e.look?.view.nodes ?? []).filter((e) => String(e.entry.submodel ?? "").includes(".")), n = t.find((t) => e.nodes.has(t.name)) ?? t[t.length - 1];
 	return n ? String(n.entry.submodel).split(".")[0] : e.look?.view.domain ?? "";
 }
-function Mn({ store: e, state: t }) {
-	let [n, r] = H(""), [i, a] = H(0), { kinds: o, parts: s } = Tn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && Dn.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = jn(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
+function Pn({ store: e, state: t }) {
+	let [n, r] = H(""), [i, a] = H(0), { kinds: o, parts: s } = Dn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && kn.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = Nn(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
 		o: e,
-		rank: 2 * An(e, p) - Number(e.key.startsWith(`${m}.`))
+		rank: 2 * Mn(e, p) - Number(e.key.startsWith(`${m}.`))
 	})).filter(({ rank: e }) => e < 9).sort((e, t) => e.rank - t.rank).map(({ o: e }) => e), g = () => {
 		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
 	}, _ = async () => {
@@ -3357,7 +3357,7 @@ function Mn({ store: e, state: t }) {
 		if (!t) return;
 		let r = t.element, a = "";
 		if (t === d && u.length) {
-			Dn.test(u[0]) && (a = u.shift());
+			kn.test(u[0]) && (a = u.shift());
 			let e = u.join(" ");
 			e && !("junction" in r) && (r = { [t.key]: e });
 		} else f && (a = u[0]);
@@ -3382,7 +3382,7 @@ function Mn({ store: e, state: t }) {
 				}[e.key];
 				t && (a(Math.max(0, Math.min(i + t, h.length - 1, 7))), e.preventDefault()), e.key === "Enter" && _(), e.key === "Escape" && g(), e.stopPropagation();
 			}
-		}), /* @__PURE__ */ B("ul", { children: h.slice(0, On).map((e, t) => /* @__PURE__ */ B("li", {
+		}), /* @__PURE__ */ B("ul", { children: h.slice(0, An).map((e, t) => /* @__PURE__ */ B("li", {
 			class: t === i ? "chosen" : "",
 			children: [
 				/* @__PURE__ */ B("b", { children: e.letters }),
@@ -3394,10 +3394,10 @@ function Mn({ store: e, state: t }) {
 	});
 }
 // src/axes.ts
-function Nn(e) {
+function Fn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function Pn(e, t, n, r = 5) {
+function In(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3408,7 +3408,7 @@ function Pn(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: Ln(e, t, r)
+		ticks: zn(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3417,22 +3417,22 @@ function Pn(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: Rn(e, t, r)
+		ticks: Bn(e, t, r)
 	};
 }
-function Fn(e, t, n) {
-	if (e.edges) return Pn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = In(t.filter((e) => e !== null));
-	if (e.log) return Pn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function Ln(e, t, n) {
+	if (e.edges) return In(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = Rn(t.filter((e) => e !== null));
+	if (e.log) return In(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return Pn(r - a, i + a, !1, n);
+	return In(r - a, i + a, !1, n);
 }
-function In(e) {
+function Rn(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function Ln(e, t, n) {
+function zn(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3442,7 +3442,7 @@ function Ln(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function Rn(e, t, n) {
+function Bn(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3459,13 +3459,13 @@ function Rn(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function zn(e, t) {
+function Vn(e, t) {
 	return t ? `${e} [${L(t)}]` : e;
 }
-function q(e) {
+function K(e) {
 	return e === null ? "none" : xe(e, 5).replace(/\.?0+e/, "e");
 }
-var Bn = [
+var Hn = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3477,28 +3477,28 @@ var Bn = [
 	"b5de2b",
 	"fde725"
 ];
-function Vn(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (Bn.length - 1), n = Math.min(Math.floor(t), Bn.length - 2);
+function Un(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (Hn.length - 1), n = Math.min(Math.floor(t), Hn.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [Bn[n], Bn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [Hn[n], Hn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var Hn = Bn.map((e) => `#${e}`).join(", "), Un = 120, Wn = "HB-W103", Gn = [
+var Wn = Hn.map((e) => `#${e}`).join(", "), Gn = 120, Kn = "HB-W103", qn = [
 	"grid",
 	"together",
 	"ends"
-], Kn = ["grid", "together"];
-function qn({ store: e, state: t }) {
+], Jn = ["grid", "together"];
+function Yn({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(null), [o, s] = H(null), c = t.look.revision, l = t.asking;
 	if (yt(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: Xn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: Qn(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
@@ -3506,7 +3506,7 @@ function qn({ store: e, state: t }) {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, Un);
+		}, Gn);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -3530,23 +3530,23 @@ function qn({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === Zn(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === $n(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: Zn(i, l.way) } : {}
+			...o ? { values: $n(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: Zn(t.values, e)
+			values: $n(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: Zn(n.values[e] ?? "", l.way)
+			values: $n(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
 	return /* @__PURE__ */ B("section", {
@@ -3557,7 +3557,7 @@ function qn({ store: e, state: t }) {
 				class: "factor",
 				"data-factor": t,
 				children: [
-					/* @__PURE__ */ B(U, {
+					/* @__PURE__ */ B(W, {
 						label: `Factor ${t + 1}`,
 						value: e.path,
 						words: n.paths,
@@ -3569,7 +3569,7 @@ function qn({ store: e, state: t }) {
 						})),
 						told: f[`path.${t}`]
 					}),
-					/* @__PURE__ */ B(U, {
+					/* @__PURE__ */ B(W, {
 						label: `Values of factor ${t + 1}`,
 						value: e.values,
 						words: [
@@ -3623,26 +3623,26 @@ function qn({ store: e, state: t }) {
 				onChange: (e) => g(e.currentTarget.value),
 				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ B("option", {
 					value: e,
-					children: Jn[e] ?? e
+					children: Xn[e] ?? e
 				}))
 			})] }),
 			/* @__PURE__ */ B("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!Gn.includes(l.way) && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "number" }), /* @__PURE__ */ B(Vt, {
+			!qn.includes(l.way) && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "number" }), /* @__PURE__ */ B(Ht, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Kn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "seed" }), /* @__PURE__ */ B(Vt, {
+			!Jn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "seed" }), /* @__PURE__ */ B(Ht, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ B(Yn, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ B(Zn, { problem: f.seed ?? f.way }),
 			/* @__PURE__ */ B("h2", { children: "What is collected" }),
-			/* @__PURE__ */ B(U, {
+			/* @__PURE__ */ B(W, {
 				label: "Collect",
 				value: l.collect,
 				words: n.words,
@@ -3666,13 +3666,13 @@ function qn({ store: e, state: t }) {
 					n
 				] });
 			}) })] }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Vt, {
+			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Ht, {
 				label: "Until of the sweep",
 				value: l.until,
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ B(Yn, { problem: f.until }),
+			/* @__PURE__ */ B(Zn, { problem: f.until }),
 			/* @__PURE__ */ B("div", {
 				class: "row begin",
 				children: [p ? /* @__PURE__ */ B("button", {
@@ -3693,7 +3693,7 @@ function qn({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && Object.values(f).every((e) => e.code === Wn) && /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("h2", { children: "The same in a terminal" }), /* @__PURE__ */ B("div", {
+			o && Object.values(f).every((e) => e.code === Kn) && /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("h2", { children: "The same in a terminal" }), /* @__PURE__ */ B("div", {
 				class: "command",
 				children: [/* @__PURE__ */ B("code", {
 					tabindex: 0,
@@ -3706,7 +3706,7 @@ function qn({ store: e, state: t }) {
 		]
 	});
 }
-var Jn = {
+var Xn = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3715,7 +3715,7 @@ var Jn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function Yn({ problem: e }) {
+function Zn({ problem: e }) {
 	return e ? /* @__PURE__ */ B("small", {
 		class: "wrong",
 		role: "status",
@@ -3726,7 +3726,7 @@ function Yn({ problem: e }) {
 		]
 	}) : null;
 }
-function Xn(e) {
+function Qn(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3740,24 +3740,24 @@ function Xn(e) {
 		collect: e.collect
 	};
 }
-function Zn(e, t) {
-	let n = Nn(e);
-	return n ? Kn.includes(t) ? `${n}:11` : n : e;
+function $n(e, t) {
+	let n = Fn(e);
+	return n ? Jn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [Qn, $n, er, tr] = [
+var [er, tr, nr, rr] = [
 	66,
 	14,
 	10,
 	38
 ];
-function nr({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function ir({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
 	if (!l.length) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - Qn - $n, n - er - tr], [m, h] = In(l), g = .05 * (h - m), _ = Pn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = Pn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => Qn + _.part(e) * f, b = (e) => er + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - er - tr, n - nr - rr], [m, h] = Rn(l), g = .05 * (h - m), _ = In(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = In(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => er + _.part(e) * f, b = (e) => nr + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3799,12 +3799,12 @@ function nr({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				width: d,
 				height: n,
 				role: "img",
-				"aria-label": `${e.signal}: from ${q(m)} to ${q(h)} ${e.unit}; the median ends at ${q(T[T.length - 1])}`,
+				"aria-label": `${e.signal}: from ${K(m)} to ${K(h)} ${e.unit}; the median ends at ${K(T[T.length - 1])}`,
 				children: [
 					/* @__PURE__ */ B("rect", {
 						class: "box",
-						x: Qn,
-						y: er,
+						x: er,
+						y: nr,
 						width: f,
 						height: p
 					}),
@@ -3835,43 +3835,43 @@ function nr({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: er + p,
-						y2: er + p + 4
+						y1: nr + p,
+						y2: nr + p + 4
 					}), /* @__PURE__ */ B("text", {
 						x: y(e),
-						y: er + p + 15,
+						y: nr + p + 15,
 						"text-anchor": "middle",
 						children: z(e, "s")
 					})] })),
 					v.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 						class: "tick",
-						x1: Qn - 4,
-						x2: Qn,
+						x1: er - 4,
+						x2: er,
 						y1: b(e),
 						y2: b(e)
 					}), /* @__PURE__ */ B("text", {
-						x: Qn - 7,
+						x: er - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
-						children: q(e)
+						children: K(e)
 					})] })),
 					/* @__PURE__ */ B("text", {
 						class: "what",
-						x: Qn + f / 2,
+						x: er + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
 					/* @__PURE__ */ B("text", {
 						class: "what",
-						transform: `translate(12,${er + p / 2}) rotate(-90)`,
+						transform: `translate(12,${nr + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: zn(e.signal, e.unit)
+						children: Vn(e.signal, e.unit)
 					})
 				]
 			})
 		}), /* @__PURE__ */ B("figcaption", { children: [
-			/* @__PURE__ */ B("b", { children: zn(e.signal, e.unit) }),
+			/* @__PURE__ */ B("b", { children: Vn(e.signal, e.unit) }),
 			/* @__PURE__ */ B("span", {
 				class: "key",
 				children: [/* @__PURE__ */ B("i", { class: "line median" }), " median"]
@@ -3905,21 +3905,21 @@ function nr({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	});
 }
 // src/bars.tsx
-var [rr, ir, ar] = [
+var [ar, or, sr] = [
 	22,
 	40,
 	34
 ];
-function or(e, t) {
+function cr(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function sr({ found: e, wide: t, open: n }) {
+function lr({ found: e, wide: t, open: n }) {
 	let r = e.middle;
 	if (r === null) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = or(e.rows.map((e) => zn(e.path, e.unit)), i), [o, s] = [44, rr + ar * e.rows.length + ir], [c, l] = In([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = Pn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	let i = Math.min(t, 820), a = cr(e.rows.map((e) => Vn(e.path, e.unit)), i), [o, s] = [44, ar + sr * e.rows.length + or], [c, l] = Rn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = In(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
 	return /* @__PURE__ */ B("figure", {
 		class: "bars",
 		"data-view": "tornado",
@@ -3927,36 +3927,36 @@ function sr({ found: e, wide: t, open: n }) {
 			width: i,
 			height: s,
 			role: "group",
-			"aria-label": `How far each factor moves ${e.value} from ${q(r)} ${e.unit}`,
+			"aria-label": `How far each factor moves ${e.value} from ${K(r)} ${e.unit}`,
 			children: [
 				d.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: rr,
-					y2: s - ir
+					y1: ar,
+					y2: s - or
 				}), /* @__PURE__ */ B("text", {
 					x: f(e),
-					y: s - ir + 15,
+					y: s - or + 15,
 					"text-anchor": "middle",
-					children: q(e)
+					children: K(e)
 				})] })),
 				e.rows.map((t, i) => /* @__PURE__ */ B("g", {
-					transform: `translate(0,${rr + i * ar})`,
+					transform: `translate(0,${ar + i * sr})`,
 					"data-factor": t.path,
 					children: [/* @__PURE__ */ B("text", {
 						class: "what",
 						x: a - 8,
-						y: ar / 2 + 4,
+						y: sr / 2 + 4,
 						"text-anchor": "end",
-						children: zn(t.path, t.unit)
+						children: Vn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
 						if (i === null) return /* @__PURE__ */ B("text", {
 							x: f(r) + 4,
-							y: ar / 2 + 4,
+							y: sr / 2 + 4,
 							children: "no value"
 						});
-						let o = i > r || i === r && a === 1, s = `${t.path} = ${q(t.ends[a])}: ${e.value} = ${q(i)}`, c = () => n(t.members[a]);
+						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
 						return /* @__PURE__ */ B("g", {
 							class: "bar " + (a ? "upper" : "lower"),
 							role: "button",
@@ -3968,14 +3968,14 @@ function sr({ found: e, wide: t, open: n }) {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: ar - 10,
+								height: sr - 10,
 								"data-outcome": i,
 								children: /* @__PURE__ */ B("title", { children: s })
 							}), /* @__PURE__ */ B("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: ar / 2 + 4,
+								y: sr / 2 + 4,
 								"text-anchor": o ? "start" : "end",
-								children: q(t.ends[a])
+								children: K(t.ends[a])
 							})]
 						});
 					})]
@@ -3984,21 +3984,21 @@ function sr({ found: e, wide: t, open: n }) {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: rr - 4,
-					y2: s - ir
+					y1: ar - 4,
+					y2: s - or
 				}),
 				/* @__PURE__ */ B("text", {
 					x: f(r),
-					y: rr - 9,
+					y: ar - 9,
 					"text-anchor": "middle",
-					children: q(r)
+					children: K(r)
 				}),
 				/* @__PURE__ */ B("text", {
 					class: "what",
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: zn(e.value, e.unit)
+					children: Vn(e.value, e.unit)
 				})
 			]
 		}), /* @__PURE__ */ B("figcaption", { children: [/* @__PURE__ */ B("span", {
@@ -4010,13 +4010,13 @@ function sr({ found: e, wide: t, open: n }) {
 		})] })]
 	});
 }
-function cr({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = or(e.rows.map((e) => e.path), n), [i, a] = [64, rr + ar * e.rows.length + ir], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+function ur({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = cr(e.rows.map((e) => e.path), n), [i, a] = [64, ar + sr * e.rows.length + or], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
 	if (!o.length) return /* @__PURE__ */ B("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = In([0, ...o]), l = Pn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	let [s, c] = Rn([0, ...o]), l = In(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
 	return /* @__PURE__ */ B("figure", {
 		class: "bars",
 		"data-view": "sobol",
@@ -4024,27 +4024,27 @@ function cr({ found: e, wide: t }) {
 			width: n,
 			height: a,
 			role: "img",
-			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${q(e.first[0])}, with others ${q(e.total[0])}`).join("; ")}`,
+			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${K(e.first[0])}, with others ${K(e.total[0])}`).join("; ")}`,
 			children: [
 				l.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: rr,
-					y2: a - ir
+					y1: ar,
+					y2: a - or
 				}), /* @__PURE__ */ B("text", {
 					x: u(e),
-					y: a - ir + 15,
+					y: a - or + 15,
 					"text-anchor": "middle",
-					children: q(e)
+					children: K(e)
 				})] })),
 				e.rows.map((e, t) => /* @__PURE__ */ B("g", {
-					transform: `translate(0,${rr + t * ar})`,
+					transform: `translate(0,${ar + t * sr})`,
 					"data-factor": e.path,
 					children: [/* @__PURE__ */ B("text", {
 						class: "what",
 						x: r - 8,
-						y: ar / 2 + 4,
+						y: sr / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
@@ -4067,7 +4067,7 @@ function cr({ found: e, wide: t }) {
 								/* @__PURE__ */ B("text", {
 									x: i + 5,
 									y: r + 9,
-									children: q(+e.toFixed(3))
+									children: K(+e.toFixed(3))
 								})
 							]
 						});
@@ -4077,8 +4077,8 @@ function cr({ found: e, wide: t }) {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: rr - 4,
-					y2: a - ir
+					y1: ar - 4,
+					y2: a - or
 				}),
 				/* @__PURE__ */ B("text", {
 					class: "what",
@@ -4106,17 +4106,17 @@ function cr({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [lr, ur, dr, fr] = [
+var [dr, fr, pr, mr] = [
 	66,
 	12,
 	10,
 	38
-], pr = 14;
-function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = bt(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - lr - ur, f - dr - fr], h = Fn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Fn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], hr = 14;
+function gr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = bt(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - dr - fr, f - pr - mr], h = Ln(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Ln(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = In(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Vn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : q(e.number[t]);
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Rn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Un(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
 	yt(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
@@ -4145,7 +4145,7 @@ function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, pr ** 2];
+		let [a, o] = [-1, hr ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4164,7 +4164,7 @@ function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 		e.members[r] >= 0 && a(e.members[r]);
 	}, A = e.members.filter((e, t) => e >= 0 && !v && x(t).includes(null)).length, j = c ?? (O < 0 ? null : O), ee = (t) => {
 		let [n, r] = x(t);
-		return `run ${e.members[t]}: ${e.x.name} = ${q(n)}, ${e.y.name} = ${q(r)}, ${e.value} = ${E(t)}`;
+		return `run ${e.members[t]}: ${e.x.name} = ${K(n)}, ${e.y.name} = ${K(r)}, ${e.value} = ${E(t)}`;
 	}, [te, ne] = O < 0 ? [null, null] : x(O);
 	return /* @__PURE__ */ B("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
@@ -4178,7 +4178,7 @@ function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			onKeyDown: k,
 			children: [/* @__PURE__ */ B("canvas", {
 				ref: s,
-				style: `left: ${lr}px; top: ${dr}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${dr}px; top: ${pr}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4195,62 +4195,62 @@ function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 				width: d,
 				height: f,
 				role: "img",
-				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${q(C)} to ${q(w)} ${e.unit}`}`,
+				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${K(C)} to ${K(w)} ${e.unit}`}`,
 				children: [
 					/* @__PURE__ */ B("rect", {
 						class: "box",
-						x: lr,
-						y: dr,
+						x: dr,
+						y: pr,
 						width: p,
 						height: m
 					}),
 					h.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 						class: "tick",
-						x1: lr + y(e),
-						x2: lr + y(e),
-						y1: dr + m,
-						y2: dr + m + 4
+						x1: dr + y(e),
+						x2: dr + y(e),
+						y1: pr + m,
+						y2: pr + m + 4
 					}), /* @__PURE__ */ B("text", {
-						x: lr + y(e),
-						y: dr + m + 15,
+						x: dr + y(e),
+						y: pr + m + 15,
 						"text-anchor": "middle",
-						children: q(e)
+						children: K(e)
 					})] })),
 					g.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
 						class: "tick",
-						x1: lr - 4,
-						x2: lr,
-						y1: dr + b(e),
-						y2: dr + b(e)
+						x1: dr - 4,
+						x2: dr,
+						y1: pr + b(e),
+						y2: pr + b(e)
 					}), /* @__PURE__ */ B("text", {
-						x: lr - 7,
-						y: dr + b(e) + 3.5,
+						x: dr - 7,
+						y: pr + b(e) + 3.5,
 						"text-anchor": "end",
-						children: q(e)
+						children: K(e)
 					})] })),
 					/* @__PURE__ */ B("text", {
 						class: "what",
-						x: lr + p / 2,
+						x: dr + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: zn(e.x.name, e.x.unit)
+						children: Vn(e.x.name, e.x.unit)
 					}),
 					/* @__PURE__ */ B("text", {
 						class: "what",
-						transform: `translate(12,${dr + m / 2}) rotate(-90)`,
+						transform: `translate(12,${pr + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: zn(e.y.name, e.y.unit)
+						children: Vn(e.y.name, e.y.unit)
 					}),
 					te !== null && ne !== null && /* @__PURE__ */ B("circle", {
 						class: "chosen",
-						cx: lr + y(te),
-						cy: dr + b(ne),
+						cx: dr + y(te),
+						cy: pr + b(ne),
 						r: 7
 					})
 				]
 			})]
 		}), /* @__PURE__ */ B("figcaption", { children: [
-			/* @__PURE__ */ B("b", { children: zn(e.value, e.unit) }),
+			/* @__PURE__ */ B("b", { children: Vn(e.value, e.unit) }),
 			e.names.map((t, n) => /* @__PURE__ */ B("span", {
 				class: "key",
 				children: [
@@ -4262,9 +4262,9 @@ function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			!e.names.length && S.length > 0 && /* @__PURE__ */ B("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ B("i", { style: `background: linear-gradient(to right, ${Hn})` }),
-					/* @__PURE__ */ B("span", { children: q(C) }),
-					/* @__PURE__ */ B("span", { children: q(w) })
+					/* @__PURE__ */ B("i", { style: `background: linear-gradient(to right, ${Wn})` }),
+					/* @__PURE__ */ B("span", { children: K(C) }),
+					/* @__PURE__ */ B("span", { children: K(w) })
 				]
 			}),
 			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ B("span", {
@@ -4283,23 +4283,23 @@ function mr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 	});
 }
 // src/planned.tsx
-var hr = [
+var _r = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], gr = 92, _r = "(max-width: 760px)", vr = 500, yr = 4;
-function br({ store: e, state: t, plan: n }) {
+], vr = 92, yr = "(max-width: 760px)", br = 500, xr = 4;
+function Sr({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: Or(n),
+		choice: Ar(n),
 		chosen: null
 	}, [[a, o], s] = H([700, 340]), c = bt(null);
 	yt(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(_r).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(yr).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
 	let l = (t) => e.set({ looked: {
@@ -4318,7 +4318,7 @@ function br({ store: e, state: t, plan: n }) {
 		value: r[t],
 		onChange: (e) => l({ [t]: e.currentTarget.value }),
 		children: n.map((e) => /* @__PURE__ */ B("option", { children: e }))
-	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - gr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = kr(e, n, {
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - vr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = jr(e, n, {
 		...r,
 		at: y
 	});
@@ -4330,11 +4330,11 @@ function br({ store: e, state: t, plan: n }) {
 			/* @__PURE__ */ B("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ B(Sr, {
+					/* @__PURE__ */ B(wr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ B(Cr, {
+					/* @__PURE__ */ B(Tr, {
 						store: e,
 						plan: n,
 						chosen: i,
@@ -4342,7 +4342,7 @@ function br({ store: e, state: t, plan: n }) {
 						open: m
 					}),
 					/* @__PURE__ */ B("button", {
-						onClick: () => void Ar(e, n),
+						onClick: () => void Mr(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
@@ -4359,11 +4359,11 @@ function br({ store: e, state: t, plan: n }) {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: hr.map(([e, t]) => /* @__PURE__ */ B("button", {
+						children: _r.map(([e, t]) => /* @__PURE__ */ B("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => l({
 								view: e,
-								...Dr(n, e)
+								...kr(n, e)
 							}),
 							children: t
 						}))
@@ -4410,27 +4410,27 @@ function br({ store: e, state: t, plan: n }) {
 				children: [
 					S.why,
 					". ",
-					xr(n, r.view) || S.try
+					Cr(n, r.view) || S.try
 				]
-			}) : b ? b.view === "table" ? /* @__PURE__ */ B(wr, {
+			}) : b ? b.view === "table" ? /* @__PURE__ */ B(Er, {
 				found: b,
 				open: m,
 				turn: (e) => l({ first: e })
-			}) : b.view === "family" ? /* @__PURE__ */ B(nr, {
+			}) : b.view === "family" ? /* @__PURE__ */ B(ir, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
 				chosen: i,
 				choose: u,
 				open: m
-			}) : b.view === "tornado" ? /* @__PURE__ */ B(sr, {
+			}) : b.view === "tornado" ? /* @__PURE__ */ B(lr, {
 				found: b,
 				wide: a,
 				open: m
-			}) : b.view === "sobol" ? /* @__PURE__ */ B(cr, {
+			}) : b.view === "sobol" ? /* @__PURE__ */ B(ur, {
 				found: b,
 				wide: a
-			}) : /* @__PURE__ */ B(mr, {
+			}) : /* @__PURE__ */ B(gr, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
@@ -4445,11 +4445,11 @@ function br({ store: e, state: t, plan: n }) {
 		]
 	});
 }
-function xr(e, t) {
+function Cr(e, t) {
 	let n = e.way.split(":")[0];
 	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
 }
-function Sr({ store: e, plan: t }) {
+function wr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
 	return t.state === "running" ? /* @__PURE__ */ B(x, { children: [
 		/* @__PURE__ */ B("progress", {
@@ -4477,7 +4477,7 @@ function Sr({ store: e, plan: t }) {
 		]
 	});
 }
-function Cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+function Tr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 	let [a, o] = H(null);
 	yt(() => {
 		if (o(null), n === null) return;
@@ -4517,8 +4517,8 @@ function Cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 			}
 		})] }), n !== null && /* @__PURE__ */ B(x, { children: [
 			/* @__PURE__ */ B("output", { children: [
-				s.map(([e, t]) => `${e} = ${Er(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${Tr(a.row[e.name])}`).join(""),
+				s.map(([e, t]) => `${e} = ${Or(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${Dr(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
 			/* @__PURE__ */ B("button", {
@@ -4532,7 +4532,7 @@ function Cr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		] })]
 	});
 }
-function wr({ found: e, open: t, turn: n }) {
+function Er({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
@@ -4555,7 +4555,7 @@ function wr({ found: e, open: t, turn: n }) {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : Tr(e[n])
+				}) : Dr(e[n])
 			})) })) })] })
 		}), /* @__PURE__ */ B("div", {
 			class: "plotbar",
@@ -4581,14 +4581,14 @@ function wr({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function Tr(e) {
-	return typeof e == "number" ? q(e) : e ?? "none";
+function Dr(e) {
+	return typeof e == "number" ? K(e) : e ?? "none";
 }
-function Er(e) {
+function Or(e) {
 	let [t, ...n] = String(e).split(" ");
-	return Number.isFinite(Number(t)) ? [q(Number(t)), ...n].join(" ") : String(e);
+	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
 }
-function Dr(e, t) {
+function kr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4605,7 +4605,7 @@ function Dr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function Or(e) {
+function Ar(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4615,10 +4615,10 @@ function Or(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...Dr(e, i)
+		...kr(e, i)
 	};
 }
-function kr(e, t, n) {
+function jr(e, t, n) {
 	let [r, i] = H({
 		key: "",
 		seen: null,
@@ -4653,7 +4653,7 @@ function kr(e, t, n) {
 					refused: t
 				});
 			}
-			let c = n.key === o.current.key, l = Math.max(vr, yr * (performance.now() - s));
+			let c = n.key === o.current.key, l = Math.max(br, xr * (performance.now() - s));
 			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
@@ -4672,7 +4672,7 @@ function kr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function Ar(e, t) {
+async function Mr(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4681,65 +4681,65 @@ async function Ar(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var jr = !0, Mr = "uplot", Nr = "u-hz", Pr = "u-vt", Fr = "u-title", Ir = "u-wrap", Lr = "u-under", Rr = "u-over", zr = "u-axis", Br = "u-off", Vr = "u-select", Hr = "u-cursor-x", Ur = "u-cursor-y", Wr = "u-cursor-pt", Gr = "u-legend", Kr = "u-live", qr = "u-inline", Jr = "u-series", Yr = "u-marker", Xr = "u-label", Zr = "u-value", Qr = "width", $r = "height", ei = "top", ti = "bottom", ni = "left", ri = "right", ii = "#000", ai = "#0000", oi = "mousemove", si = "mousedown", ci = "mouseup", li = "mouseenter", ui = "mouseleave", di = "dblclick", fi = "resize", pi = "scroll", mi = "change", hi = "dppxchange", gi = "--", _i = typeof window < "u", vi = _i ? document : null, yi = _i ? window : null, bi = _i ? navigator : null, J, xi;
-function Si() {
+var Nr = !0, Pr = "uplot", Fr = "u-hz", Ir = "u-vt", Lr = "u-title", Rr = "u-wrap", zr = "u-under", Br = "u-over", Vr = "u-axis", Hr = "u-off", Ur = "u-select", Wr = "u-cursor-x", Gr = "u-cursor-y", Kr = "u-cursor-pt", qr = "u-legend", Jr = "u-live", Yr = "u-inline", Xr = "u-series", Zr = "u-marker", Qr = "u-label", $r = "u-value", ei = "width", ti = "height", ni = "top", ri = "bottom", ii = "left", ai = "right", oi = "#000", si = "#0000", ci = "mousemove", li = "mousedown", ui = "mouseup", di = "mouseenter", fi = "mouseleave", pi = "dblclick", mi = "resize", hi = "scroll", gi = "change", _i = "dppxchange", vi = "--", yi = typeof window < "u", bi = yi ? document : null, xi = yi ? window : null, Si = yi ? navigator : null, q, Ci;
+function wi() {
 	let e = devicePixelRatio;
-	J != e && (J = e, xi && Li(mi, xi, Si), xi = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Ii(mi, xi, Si), yi.dispatchEvent(new CustomEvent(hi)));
+	q != e && (q = e, Ci && Ri(gi, Ci, wi), Ci = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), Li(gi, Ci, wi), xi.dispatchEvent(new CustomEvent(_i)));
 }
-function Ci(e, t) {
+function Ti(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function wi(e, t) {
+function Ei(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function Ti(e, t, n) {
+function J(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Ei(e, t, n, r) {
-	let i = vi.createElement(e);
-	return t != null && Ci(i, t), n?.insertBefore(i, r), i;
+function Di(e, t, n, r) {
+	let i = bi.createElement(e);
+	return t != null && Ti(i, t), n?.insertBefore(i, r), i;
 }
-function Di(e, t) {
-	return Ei("div", e, t);
+function Oi(e, t) {
+	return Di("div", e, t);
 }
-var Oi = /* @__PURE__ */ new WeakMap();
-function ki(e, t, n, r, i) {
+var ki = /* @__PURE__ */ new WeakMap();
+function Ai(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != Oi.get(e) && (e.style.transform = a, Oi.set(e, a), t < 0 || n < 0 || t > r || n > i ? Ci(e, Br) : wi(e, Br));
+	a != ki.get(e) && (e.style.transform = a, ki.set(e, a), t < 0 || n < 0 || t > r || n > i ? Ti(e, Hr) : Ei(e, Hr));
 }
-var Ai = /* @__PURE__ */ new WeakMap();
-function ji(e, t, n) {
+var ji = /* @__PURE__ */ new WeakMap();
+function Mi(e, t, n) {
 	let r = t + n;
-	r != Ai.get(e) && (Ai.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != ji.get(e) && (ji.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var Mi = /* @__PURE__ */ new WeakMap();
-function Ni(e, t, n, r) {
+var Ni = /* @__PURE__ */ new WeakMap();
+function Pi(e, t, n, r) {
 	let i = t + "" + n;
-	i != Mi.get(e) && (Mi.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != Ni.get(e) && (Ni.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var Pi = { passive: !0 }, Fi = {
-	...Pi,
+var Fi = { passive: !0 }, Ii = {
+	...Fi,
 	capture: !0
 };
-function Ii(e, t, n, r) {
-	t.addEventListener(e, n, r ? Fi : Pi);
-}
 function Li(e, t, n, r) {
-	t.removeEventListener(e, n, Pi);
+	t.addEventListener(e, n, r ? Ii : Fi);
 }
-_i && Si();
 function Ri(e, t, n, r) {
+	t.removeEventListener(e, n, Fi);
+}
+yi && wi();
+function zi(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : aa((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : oa((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function zi(e) {
+function Bi(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4753,9 +4753,9 @@ function zi(e) {
 		return [i, a];
 	};
 }
-var Bi = (e) => e != null, Vi = (e) => e != null && e > 0, Hi = zi(Bi), Ui = zi(Vi);
-function Wi(e, t, n, r = 0, i = !1) {
-	let a = i ? Ui : Hi, o = i ? Vi : Bi;
+var Vi = (e) => e != null, Hi = (e) => e != null && e > 0, Ui = Bi(Vi), Wi = Bi(Hi);
+function Gi(e, t, n, r = 0, i = !1) {
+	let a = i ? Wi : Ui, o = i ? Hi : Vi;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4766,106 +4766,106 @@ function Wi(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? ga, c ?? -ga];
-}
-function Gi(e, t, n, r) {
-	let i = da(e), a = da(t);
-	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? fa : pa, s = i == 1 ? aa : sa, c = a == 1 ? sa : aa, l = s(o(ia(e))), u = c(o(ia(t))), d = ua(n, l), f = ua(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Aa(e, d), t = ka(t, f)), [e, t];
+	return [s ?? _a, c ?? -_a];
 }
 function Ki(e, t, n, r) {
-	let i = Gi(e, t, n, r);
+	let i = fa(e), a = fa(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? pa : ma, s = i == 1 ? oa : ca, c = a == 1 ? ca : oa, l = s(o(aa(e))), u = c(o(aa(t))), d = da(n, l), f = da(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ja(e, d), t = Aa(t, f)), [e, t];
+}
+function qi(e, t, n, r) {
+	let i = Ki(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var qi = .1, Ji = {
+var Ji = .1, Yi = {
 	mode: 3,
-	pad: qi
-}, Yi = {
+	pad: Ji
+}, Xi = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Xi = {
-	min: Yi,
-	max: Yi
+}, Zi = {
+	min: Xi,
+	max: Xi
 };
-function Zi(e, t, n, r) {
-	return Va(n) ? $i(e, t, n) : (Yi.pad = n, Yi.soft = r ? 0 : null, Yi.mode = r ? 3 : 0, $i(e, t, Xi));
+function Qi(e, t, n, r) {
+	return Ha(n) ? ea(e, t, n) : (Xi.pad = n, Xi.soft = r ? 0 : null, Xi.mode = r ? 3 : 0, ea(e, t, Zi));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function Qi(e, t, n) {
+function $i(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function $i(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -ga), c = Y(i.hard, ga), l = Y(r.soft, ga), u = Y(i.soft, -ga), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = fa(p), h = la(ia(e), ia(t)), g = ia(fa(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != ga && (a = 0), f == 2 && u != -ga && (o = 0)));
-	let _ = p || h || 1e3, v = ua(10, aa(fa(_))), y = Z(Aa(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : ga, x = la(s, y < b && e >= b ? b : ca(b, y)), S = Z(ka(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -ga, w = ca(c, S > C && t <= C ? C : la(C, S));
+function ea(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -_a), c = Y(i.hard, _a), l = Y(r.soft, _a), u = Y(i.soft, -_a), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = pa(p), h = ua(aa(e), aa(t)), g = aa(pa(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != _a && (a = 0), f == 2 && u != -_a && (o = 0)));
+	let _ = p || h || 1e3, v = da(10, oa(pa(_))), y = Z(ja(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : _a, x = ua(s, y < b && e >= b ? b : la(b, y)), S = Z(Aa(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -_a, w = la(c, S > C && t <= C ? C : ua(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var ea = new Intl.NumberFormat(_i ? bi.language : "en-US"), ta = (e) => ea.format(e), na = Math, ra = na.PI, ia = na.abs, aa = na.floor, oa = na.round, sa = na.ceil, ca = na.min, la = na.max, ua = na.pow, da = na.sign, fa = na.log10, pa = na.log2, ma = (e, t = 1) => na.sinh(e) * t, ha = (e, t = 1) => na.asinh(e / t), ga = Infinity;
-function _a(e) {
-	return (fa((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var ta = new Intl.NumberFormat(yi ? Si.language : "en-US"), na = (e) => ta.format(e), ra = Math, ia = ra.PI, aa = ra.abs, oa = ra.floor, sa = ra.round, ca = ra.ceil, la = ra.min, ua = ra.max, da = ra.pow, fa = ra.sign, pa = ra.log10, ma = ra.log2, ha = (e, t = 1) => ra.sinh(e) * t, ga = (e, t = 1) => ra.asinh(e / t), _a = Infinity;
+function va(e) {
+	return (pa((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function va(e, t, n) {
-	return ca(la(e, t), n);
+function ya(e, t, n) {
+	return la(ua(e, t), n);
 }
-function ya(e) {
+function ba(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return ya(e) ? e : () => e;
+	return ba(e) ? e : () => e;
 }
-var ba = () => {}, xa = (e) => e, Sa = (e, t) => t, Ca = (e) => null, wa = (e) => !0, Ta = (e, t) => e == t, Ea = /\.\d*?(?=9{6,}|0{6,})/gm, Da = (e) => {
-	if (Ra(e) || ja.has(e)) return e;
-	let t = `${e}`, n = t.match(Ea);
+var xa = () => {}, Sa = (e) => e, Ca = (e, t) => t, wa = (e) => null, Ta = (e) => !0, Ea = (e, t) => e == t, Da = /\.\d*?(?=9{6,}|0{6,})/gm, Oa = (e) => {
+	if (za(e) || Ma.has(e)) return e;
+	let t = `${e}`, n = t.match(Da);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${Da(e)}e${n}`;
+		return +`${Oa(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function Oa(e, t) {
-	return Da(Z(Da(e / t)) * t);
-}
 function ka(e, t) {
-	return Da(sa(Da(e / t)) * t);
+	return Oa(Z(Oa(e / t)) * t);
 }
 function Aa(e, t) {
-	return Da(aa(Da(e / t)) * t);
+	return Oa(ca(Oa(e / t)) * t);
+}
+function ja(e, t) {
+	return Oa(oa(Oa(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (Ra(e)) return e;
+	if (za(e)) return e;
 	let n = 10 ** t;
-	return oa(e * n * (1 + 2 ** -52)) / n;
+	return sa(e * n * (1 + 2 ** -52)) / n;
 }
-var ja = /* @__PURE__ */ new Map();
-function Ma(e) {
+var Ma = /* @__PURE__ */ new Map();
+function Na(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Na(e, t, n, r) {
-	let i = [], a = r.map(Ma);
+function Pa(e, t, n, r) {
+	let i = [], a = r.map(Na);
 	for (let o = t; o < n; o++) {
-		let t = ia(o), n = Z(ua(e, o), t);
+		let t = aa(o), n = Z(da(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), ja.set(u, l);
+			i.push(u), Ma.set(u, l);
 		}
 	}
 	return i;
 }
-var Pa = {}, Fa = [], Ia = [null, null], La = Array.isArray, Ra = Number.isInteger, za = (e) => e === void 0;
-function Ba(e) {
+var Fa = {}, Ia = [], La = [null, null], Ra = Array.isArray, za = Number.isInteger, Ba = (e) => e === void 0;
+function Va(e) {
 	return typeof e == "string";
 }
-function Va(e) {
+function Ha(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4873,35 +4873,35 @@ function Va(e) {
 	}
 	return t;
 }
-function Ha(e) {
+function Ua(e) {
 	return typeof e == "object" && !!e;
 }
-var Ua = Object.getPrototypeOf(Uint8Array), Wa = "__proto__";
-function Ga(e, t = Va) {
+var Wa = Object.getPrototypeOf(Uint8Array), Ga = "__proto__";
+function Ka(e, t = Ha) {
 	let n;
-	if (La(e)) {
+	if (Ra(e)) {
 		let r = e.find((e) => e != null);
-		if (La(r) || t(r)) {
+		if (Ra(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Ga(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Ka(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Ua) n = e.slice();
+	} else if (e instanceof Wa) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Wa && (n[r] = Ga(e[r], t));
+		for (let r in e) r != Ga && (n[r] = Ka(e[r], t));
 	} else n = e;
 	return n;
 }
-function Ka(e) {
+function qa(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Wa && (Va(e[t]) ? Ka(e[t], Ga(r[t])) : e[t] = Ga(r[t]));
+		for (let t in r) t != Ga && (Ha(e[t]) ? qa(e[t], Ka(r[t])) : e[t] = Ka(r[t]));
 	}
 	return e;
 }
-var qa = 0, Ja = 1, Ya = 2;
-function Xa(e, t, n) {
+var Ja = 0, Ya = 1, Xa = 2;
+function Za(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4910,11 +4910,11 @@ function Xa(e, t, n) {
 		}
 	}
 }
-function Za(e, t) {
-	if (eo(e)) {
+function Qa(e, t) {
+	if (to(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return to(t[0]) || (t = $a(t)), t;
+		return no(t[0]) || (t = eo(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4926,18 +4926,18 @@ function Za(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ja, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ya, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != qa && (l[n] = t, u == Ya && d.push(n)) : l[n] = t;
+				t === null ? u != Ja && (l[n] = t, u == Xa && d.push(n)) : l[n] = t;
 			}
-			Xa(l, d, i), r.push(l);
+			Za(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Qa = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function $a(e) {
+var $a = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function eo(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4949,7 +4949,7 @@ function $a(e) {
 	}
 	return i;
 }
-function eo(e) {
+function to(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4960,14 +4960,14 @@ function eo(e) {
 	}
 	return !0;
 }
-function to(e, t = 100) {
+function no(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = la(1, aa((i - r + 1) / t));
+	let a = ua(1, oa((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4977,7 +4977,7 @@ function to(e, t = 100) {
 	}
 	return !0;
 }
-var no = [
+var ro = [
 	"January",
 	"February",
 	"March",
@@ -4990,7 +4990,7 @@ var no = [
 	"October",
 	"November",
 	"December"
-], ro = [
+], io = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4999,33 +4999,33 @@ var no = [
 	"Friday",
 	"Saturday"
 ];
-function io(e) {
+function ao(e) {
 	return e.slice(0, 3);
 }
-var ao = ro.map(io), oo = {
-	MMMM: no,
-	MMM: no.map(io),
-	WWWW: ro,
-	WWW: ao
+var oo = io.map(ao), so = {
+	MMMM: ro,
+	MMM: ro.map(ao),
+	WWWW: io,
+	WWW: oo
 };
-function so(e) {
+function co(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function co(e) {
+function lo(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var lo = {
+var uo = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => so(e.getMonth() + 1),
+	MM: (e) => co(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => so(e.getDate()),
+	DD: (e) => co(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => so(e.getHours()),
+	HH: (e) => co(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -5034,35 +5034,35 @@ var lo = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => so(e.getMinutes()),
+	mm: (e) => co(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => so(e.getSeconds()),
+	ss: (e) => co(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => co(e.getMilliseconds())
+	fff: (e) => lo(e.getMilliseconds())
 };
-function uo(e, t) {
-	t ||= oo;
+function fo(e, t) {
+	t ||= so;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? lo[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? uo[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var fo = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function po(e, t) {
+var po = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function mo(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == fo ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == po ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var mo = (e) => e % 1 == 0, ho = [
+var ho = (e) => e % 1 == 0, go = [
 	1,
 	2,
 	2.5,
 	5
-], go = Na(10, -32, 0, ho), _o = Na(10, 0, 32, ho), vo = _o.filter(mo), yo = go.concat(_o), bo = "\n", xo = "{YYYY}", So = bo + xo, Co = "{M}/{D}", wo = bo + Co, To = wo + "/{YY}", Eo = "{aa}", Do = "{h}:{mm}" + Eo, Oo = bo + Do, ko = ":{ss}", Q = null;
-function Ao(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Na(10, 0, 3, ho).filter(mo) : Na(10, -3, 0, ho)).concat([
+], _o = Pa(10, -32, 0, go), vo = Pa(10, 0, 32, go), yo = vo.filter(ho), bo = _o.concat(vo), xo = "\n", So = "{YYYY}", Co = xo + So, wo = "{M}/{D}", To = xo + wo, Eo = To + "/{YY}", Do = "{aa}", Oo = "{h}:{mm}" + Do, ko = xo + Oo, Ao = ":{ss}", Q = null;
+function jo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Pa(10, 0, 3, go).filter(ho) : Pa(10, -3, 0, go)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -5106,7 +5106,7 @@ function Ao(e) {
 	]), c = [
 		[
 			o,
-			xo,
+			So,
 			Q,
 			Q,
 			Q,
@@ -5118,7 +5118,7 @@ function Ao(e) {
 		[
 			i * 28,
 			"{MMM}",
-			So,
+			Co,
 			Q,
 			Q,
 			Q,
@@ -5128,8 +5128,8 @@ function Ao(e) {
 		],
 		[
 			i,
+			wo,
 			Co,
-			So,
 			Q,
 			Q,
 			Q,
@@ -5139,10 +5139,10 @@ function Ao(e) {
 		],
 		[
 			r,
-			"{h}" + Eo,
-			To,
+			"{h}" + Do,
+			Eo,
 			Q,
-			wo,
+			To,
 			Q,
 			Q,
 			Q,
@@ -5150,10 +5150,10 @@ function Ao(e) {
 		],
 		[
 			n,
-			Do,
-			To,
+			Oo,
+			Eo,
 			Q,
-			wo,
+			To,
 			Q,
 			Q,
 			Q,
@@ -5161,42 +5161,42 @@ function Ao(e) {
 		],
 		[
 			t,
+			Ao,
+			Eo + " " + Oo,
+			Q,
+			To + " " + Oo,
+			Q,
 			ko,
-			To + " " + Do,
-			Q,
-			wo + " " + Do,
-			Q,
-			Oo,
 			Q,
 			1
 		],
 		[
 			e,
-			ko + ".{fff}",
-			To + " " + Do,
+			Ao + ".{fff}",
+			Eo + " " + Oo,
 			Q,
-			wo + " " + Do,
+			To + " " + Oo,
 			Q,
-			Oo,
+			ko,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Bo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Vo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Bo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(oa(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Vo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(sa(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Bo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Vo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (aa(l) - aa(_)) + ka(_ - y, a);
+				let a = d >= i ? i : d, o = y + (oa(l) - oa(_)) + Aa(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = aa(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = oa(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5211,12 +5211,12 @@ function Ao(e) {
 		l
 	];
 }
-var [jo, Mo, No] = Ao(1), [Po, Fo, Io] = Ao(.001);
-Na(2, -53, 53, [1]);
-function Lo(e, t) {
+var [Mo, No, Po] = jo(1), [Fo, Io, Lo] = jo(.001);
+Pa(2, -53, 53, [1]);
+function Ro(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Ro(e, t) {
+function zo(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5225,98 +5225,98 @@ function Ro(e, t) {
 		});
 	};
 }
-function zo(e, t) {
-	let n = uo(t);
+function Bo(e, t) {
+	let n = fo(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Bo(e, t, n) {
+function Vo(e, t, n) {
 	return new Date(e, t, n);
 }
-function Vo(e, t) {
+function Ho(e, t) {
 	return t(e);
 }
-var Ho = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Uo(e, t) {
-	return (n, r, i, a) => a == null ? gi : t(e(r));
-}
+var Uo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
 function Wo(e, t) {
+	return (n, r, i, a) => a == null ? vi : t(e(r));
+}
+function Go(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Go(e, t) {
+function Ko(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Ko = {
+var qo = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: ba,
+	mount: xa,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Wo,
-		fill: Go,
+		stroke: Go,
+		fill: Ko,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function qo(e, t) {
-	let n = e.cursor.points, r = Di(), i = n.size(e, t);
-	Ti(r, Qr, i), Ti(r, $r, i);
-	let a = i / -2;
-	Ti(r, "marginLeft", a), Ti(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && Ti(r, "borderWidth", o), r;
-}
 function Jo(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = Oi(), i = n.size(e, t);
+	J(r, ei, i), J(r, ti, i);
+	let a = i / -2;
+	J(r, "marginLeft", a), J(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && J(r, "borderWidth", o), r;
 }
 function Yo(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function Xo(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function Zo(e, t) {
 	return e.series[t].points.size;
 }
-var Zo = [0, 0];
-function Qo(e, t, n) {
-	return Zo[0] = t, Zo[1] = n, Zo;
+var Qo = [0, 0];
+function $o(e, t, n) {
+	return Qo[0] = t, Qo[1] = n, Qo;
 }
-function $o(e, t, n, r = !0) {
+function es(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function es(e, t, n, r = !0) {
+function ts(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var ts = {
+var ns = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Qo,
+	move: $o,
 	points: {
 		one: !1,
-		show: qo,
-		size: Xo,
+		show: Jo,
+		size: Zo,
 		width: 0,
-		stroke: Yo,
-		fill: Jo
+		stroke: Xo,
+		fill: Yo
 	},
 	bind: {
-		mousedown: $o,
-		mouseup: $o,
-		click: $o,
-		dblclick: $o,
-		mousemove: es,
-		mouseleave: es,
-		mouseenter: es
+		mousedown: es,
+		mouseup: es,
+		click: es,
+		dblclick: es,
+		mousemove: ts,
+		mouseleave: ts,
+		mouseenter: ts
 	},
 	drag: {
 		setScale: !0,
@@ -5346,139 +5346,139 @@ var ts = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, ns = {
+}, rs = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, rs = Ka({}, ns, { filter: Sa }), is = Ka({}, rs, { size: 10 }), as = Ka({}, ns, { show: !1 }), os = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", ss = "bold " + os, cs = 1.5, ls = {
+}, is = qa({}, rs, { filter: Ca }), as = qa({}, is, { size: 10 }), os = qa({}, rs, { show: !1 }), ss = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", cs = "bold " + ss, ls = 1.5, us = {
 	show: !0,
 	scale: "x",
-	stroke: ii,
+	stroke: oi,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: ss,
+	labelFont: cs,
 	side: 2,
-	grid: rs,
-	ticks: is,
-	border: as,
-	font: os,
-	lineGap: cs,
+	grid: is,
+	ticks: as,
+	border: os,
+	font: ss,
+	lineGap: ls,
 	rotate: 0
-}, us = "Value", ds = "Time", fs = {
+}, ds = "Value", fs = "Time", ps = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: ga,
+	min: _a,
 	max: -Infinity,
 	idxs: []
 };
-function ps(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : ta(e));
+function ms(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : na(e));
 }
-function ms(e, t, n, r, i, a, o) {
-	let s = [], c = ja.get(i) || 0;
-	n = o ? n : Z(ka(n, i), c);
+function hs(e, t, n, r, i, a, o) {
+	let s = [], c = Ma.get(i) || 0;
+	n = o ? n : Z(Aa(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function hs(e, t, n, r, i, a, o) {
+function gs(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = ua(c, aa((c == 10 ? fa : pa)(n))), c == 10 && (i = yo[Ri(i, yo)]);
+	i = da(c, oa((c == 10 ? pa : ma)(n))), c == 10 && (i = bo[zi(i, bo)]);
 	let l = n, u = i * c;
-	c == 10 && (u = yo[Ri(u, yo)]);
+	c == 10 && (u = bo[zi(u, bo)]);
 	do
-		s.push(l), l += i, c == 10 && !ja.has(l) && (l = Z(l, ja.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = yo[Ri(u, yo)]));
+		s.push(l), l += i, c == 10 && !Ma.has(l) && (l = Z(l, Ma.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = bo[zi(u, bo)]));
 	while (l <= r);
 	return s;
 }
-function gs(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? hs(e, t, la(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? hs(e, t, la(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function _s(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? gs(e, t, ua(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? gs(e, t, ua(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var _s = /./, vs = /[12357]/, ys = /[125]/, bs = /1/, xs = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function Ss(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? _s : c(7, o) - u >= l ? vs : c(5, o) - u >= l ? ys : bs;
-	if (d == bs) {
-		let e = ia(c(1, o) - u);
-		if (e < l) return xs(t.slice().reverse(), s.distr, d, sa(l / e)).reverse();
-	}
-	return xs(t, s.distr, d, 1);
-}
+var vs = /./, ys = /[12357]/, bs = /[125]/, xs = /1/, Ss = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function Cs(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = ia(c(1, o) - c(2, o));
-	return l < s ? xs(t.slice().reverse(), 3, _s, sa(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? vs : c(7, o) - u >= l ? ys : c(5, o) - u >= l ? bs : xs;
+	if (d == xs) {
+		let e = aa(c(1, o) - u);
+		if (e < l) return Ss(t.slice().reverse(), s.distr, d, ca(l / e)).reverse();
+	}
+	return Ss(t, s.distr, d, 1);
 }
-function ws(e, t, n, r) {
-	return r == null ? gi : t == null ? "" : ta(t);
+function ws(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = aa(c(1, o) - c(2, o));
+	return l < s ? Ss(t.slice().reverse(), 3, vs, ca(s / l)).reverse() : t;
 }
-var Ts = {
+function Ts(e, t, n, r) {
+	return r == null ? vi : t == null ? "" : na(t);
+}
+var Es = {
 	show: !0,
 	scale: "y",
-	stroke: ii,
+	stroke: oi,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: ss,
+	labelFont: cs,
 	side: 3,
-	grid: rs,
-	ticks: is,
-	border: as,
-	font: os,
-	lineGap: cs,
+	grid: is,
+	ticks: as,
+	border: os,
+	font: ss,
+	lineGap: ls,
 	rotate: 0
 };
-function Es(e, t) {
+function Ds(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function Ds(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = ia(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
+function Os(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = aa(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
 	return r[1] - r[0] <= o;
 }
-var Os = {
+var ks = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: ga,
+	min: _a,
 	max: -Infinity
-}, ks = (e, t, n, r, i) => i, As = {
+}, As = (e, t, n, r, i) => i, js = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: ks,
+	gaps: As,
 	alpha: 1,
-	facets: [Ka({}, Os, { scale: "x" }), Ka({}, Os, { scale: "y" })]
-}, js = {
+	facets: [qa({}, ks, { scale: "x" }), qa({}, ks, { scale: "y" })]
+}, Ms = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: ks,
+	gaps: As,
 	alpha: 1,
 	points: {
-		show: Ds,
+		show: Os,
 		filter: null
 	},
 	values: null,
-	min: ga,
+	min: _a,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Ms(e, t, n, r, i) {
+function Ns(e, t, n, r, i) {
 	return n / 10;
 }
-var Ns = {
-	time: jr,
+var Ps = {
+	time: Nr,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5487,12 +5487,12 @@ var Ns = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Ps = Ka({}, Ns, {
+}, Fs = qa({}, Ps, {
 	time: !1,
 	ori: 1
-}), Fs = {};
-function Is(e, t) {
-	let n = Fs[e];
+}), Is = {};
+function Ls(e, t) {
+	let n = Is[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5505,38 +5505,38 @@ function Is(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Fs[e] = n)), n;
+	}, e != null && (Is[e] = n)), n;
 }
-var Ls = 1, Rs = 2;
-function zs(e, t, n) {
+var Rs = 1, zs = 2;
+function Bs(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Js, Xs, Qs, ec, nc) : n(i, c, l, u, d, _, g, p, f, h, m, Ys, Zs, $s, tc, rc);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ys, Zs, $s, tc, rc) : n(i, c, l, u, d, _, g, p, f, h, m, Xs, Qs, ec, nc, ic);
 }
-function Bs(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, Fa);
+function Vs(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, Ia);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Vs(e, t, n, r, i) {
+function Hs(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Hs(e, t, n, r, i, a) {
-	return zs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Xs : Zs, v, y;
+function Us(e, t, n, r, i, a) {
+	return Bs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Zs : Qs, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Us(e, t, n, r, i, a) {
+function Ws(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Qs : $s, c = n;
+		let s = t == 0 ? $s : ec, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5549,11 +5549,11 @@ function Us(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Ws(e, t, n) {
+function Gs(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Gs(e, t, n, r, i, a, o) {
+function Ks(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5566,11 +5566,11 @@ function Gs(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Ks(e) {
-	return e == 0 ? xa : e == 1 ? oa : (t) => Oa(t, e);
-}
 function qs(e) {
-	let t = e == 0 ? Js : Ys, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? Sa : e == 1 ? sa : (t) => ka(t, e);
+}
+function Js(e) {
+	let t = e == 0 ? Ys : Xs, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5580,36 +5580,36 @@ function qs(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = ca(c, o / 2, s / 2), l = ca(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = la(c, o / 2, s / 2), l = la(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Js = (e, t, n) => {
+var Ys = (e, t, n) => {
 	e.moveTo(t, n);
-}, Ys = (e, t, n) => {
-	e.moveTo(n, t);
 }, Xs = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, Zs = (e, t, n) => {
+	e.lineTo(t, n);
+}, Qs = (e, t, n) => {
 	e.lineTo(n, t);
-}, Qs = qs(0), $s = qs(1), ec = (e, t, n, r, i, a) => {
+}, $s = Js(0), ec = Js(1), tc = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, tc = (e, t, n, r, i, a) => {
+}, nc = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, nc = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, rc = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, ic = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function ic(e) {
-	return (e, t, n, r, i) => zs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function ac(e) {
+	return (e, t, n, r, i) => Bs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Js, v = ec) : (_ = Ys, v = tc);
-		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Qs(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Ys, v = tc) : (_ = Xs, v = nc);
+		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		$s(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, ra * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, ia * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5622,25 +5622,25 @@ function ic(e) {
 		};
 	});
 }
-function ac(e) {
+function oc(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var oc = ac(Xs), sc = ac(Zs);
-function cc(e) {
+var sc = oc(Zs), cc = oc(Qs);
+function lc(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => zs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Hi(s, r, i);
+	return (e, n, r, i) => Bs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = Ui(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Xs, b = oc) : (y = Zs, b = sc);
+		c.ori == 0 ? (y = Zs, b = sc) : (y = Qs, b = cc);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ls
+			flags: Rs
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5653,29 +5653,29 @@ function cc(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Bs(e, n);
+		let [T, E] = Vs(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Gs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Us(l, c.ori, f, p, m, h);
+			w && l.push(...Ks(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ws(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Hs(e, n, r, i, C, -1), Hs(e, n, r, i, C, 1)] : Hs(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Us(e, n, r, i, C, -1), Us(e, n, r, i, C, 1)] : Us(e, n, r, i, C, E)), S;
 	});
 }
-function lc(e) {
+function uc(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => zs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Hi(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Xs : Zs, T = {
+	return (e, a, o, s) => Bs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = Ui(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Zs : Qs, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ls
+			flags: Rs
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5686,50 +5686,50 @@ function lc(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = Bs(e, a);
+		let [te, ne] = Vs(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Gs(l, u, o, s, D, S, r));
-			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Ks(l, u, o, s, D, S, r));
+			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Us(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ws(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [Hs(e, a, o, s, E, -1), Hs(e, a, o, s, E, 1)] : Hs(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [Us(e, a, o, s, E, -1), Us(e, a, o, s, E, 1)] : Us(e, a, o, s, E, ne)), T;
 	});
 }
-function uc(e, t, n, r, i, a, o = ga) {
+function dc(e, t, n, r, i, a, o = _a) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = ia(e[c] - e[s]);
-				t < l && (l = t, o = ia(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = aa(e[c] - e[s]);
+				t < l && (l = t, o = aa(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function dc(e) {
-	e ||= Pa;
+function fc(e) {
+	e ||= Fa;
 	let t = Y(e.size, [
 		.6,
-		ga,
+		_a,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], ga), c = Y(t[2], 1), l = Y(e.disp, Pa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => zs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], _a), c = Y(t[2], 1), l = Y(e.disp, Fa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Bs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? Qs : $s, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? $s : ec, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, Fa).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * J), se = !1, ce = null, le = null, ue = null, de = null;
+		}, re = Y(e.bands, Ia).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
 		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
 			e != null && le.set(e, new Path2D());
 		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
@@ -5739,11 +5739,11 @@ function dc(e) {
 		if (fe != null && pe != null) {
 			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = uc(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = uc(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = xa);
+			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = dc(h, g, y, _, C, x, F), oe = F - P + D;
+		} else F = dc(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
+		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = Sa);
 		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(va(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
+		P = T(ya(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
 		let ge = {
 			stroke: null,
 			fill: null,
@@ -5766,21 +5766,21 @@ function dc(e) {
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(la(a, M)), c = T(ca(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(ua(a, M)), c = T(la(a, M)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + aa(I / 2), P, la(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + aa(I / 2), P, la(0, u - I), i, a)) : te(_e, o, c + aa(I / 2), P, la(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + oa(I / 2), P, ua(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + oa(I / 2), P, ua(0, u - I), i, a)) : te(_e, o, c + oa(I / 2), P, ua(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
 			}
 		}
 		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
 	});
 }
-function fc(e, t) {
+function pc(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => zs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Hi(c, i, a);
+	return (t, r, i, a) => Bs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = Ui(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Js, S = Xs, x = nc) : (b = Ys, S = Zs, x = rc);
+		l.ori == 0 ? (b = Ys, S = Zs, x = rc) : (b = Xs, S = Qs, x = ic);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5792,23 +5792,23 @@ function fc(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Ls
-		}, k = O.stroke, [A, j] = Bs(t, r);
+			flags: Rs
+		}, k = O.stroke, [A, j] = Vs(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Gs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Us(e, l.ori, p, m, h, g);
+			e.push(...Ks(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ws(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [Hs(t, r, i, a, k, -1), Hs(t, r, i, a, k, 1)] : Hs(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [Us(t, r, i, a, k, -1), Us(t, r, i, a, k, 1)] : Us(t, r, i, a, k, j)), O;
 	});
 }
-function pc(e) {
-	return fc(mc, e);
+function mc(e) {
+	return pc(hc, e);
 }
-function mc(e, t, n, r, i, a) {
+function hc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5823,61 +5823,61 @@ function mc(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var hc = /* @__PURE__ */ new Set();
-function gc() {
-	for (let e of hc) e.syncRect(!0);
+var gc = /* @__PURE__ */ new Set();
+function _c() {
+	for (let e of gc) e.syncRect(!0);
 }
-_i && (Ii(fi, yi, gc), Ii(pi, yi, gc, !0), Ii(hi, yi, () => {
-	Mc.pxRatio = J;
+yi && (Li(mi, xi, _c), Li(hi, xi, _c, !0), Li(_i, xi, () => {
+	Nc.pxRatio = q;
 }));
-var _c = cc(), vc = ic();
-function yc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => xc(e, r, t, n));
+var vc = lc(), yc = ac();
+function bc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Sc(e, r, t, n));
 }
-function bc(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Ka({}, t, e));
+function xc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : qa({}, t, e));
 }
-function xc(e, t, n, r) {
-	return Ka({}, t == 0 ? n : r, e);
+function Sc(e, t, n, r) {
+	return qa({}, t == 0 ? n : r, e);
 }
-function Sc(e, t, n) {
-	return t == null ? Ia : [t, n];
+function Cc(e, t, n) {
+	return t == null ? La : [t, n];
 }
-var Cc = Sc;
-function wc(e, t, n) {
-	return t == null ? Ia : Zi(t, n, qi, !0);
+var wc = Cc;
+function Tc(e, t, n) {
+	return t == null ? La : Qi(t, n, Ji, !0);
 }
-function Tc(e, t, n, r) {
-	return t == null ? Ia : Gi(t, n, e.scales[r].log, !1);
+function Ec(e, t, n, r) {
+	return t == null ? La : Ki(t, n, e.scales[r].log, !1);
 }
-var Ec = Tc;
-function Dc(e, t, n, r) {
-	return t == null ? Ia : Ki(t, n, e.scales[r].log, !1);
+var Dc = Ec;
+function Oc(e, t, n, r) {
+	return t == null ? La : qi(t, n, e.scales[r].log, !1);
 }
-var Oc = Dc;
-function kc(e, t, n, r, i) {
-	let a = la(_a(e), _a(t)), o = t - e, s = Ri(i / r * o, n);
+var kc = Oc;
+function Ac(e, t, n, r, i) {
+	let a = ua(va(e), va(t)), o = t - e, s = zi(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? ja.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? Ma.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Ac(e) {
+function jc(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = oa((n = +r) * J)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = sa((n = +r) * q)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function jc(e) {
+function Mc(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * J, 1);
+		let t = Z(e[2] * q, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function Mc(e, t, n) {
+function Nc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5893,24 +5893,24 @@ function Mc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = Di(Mr);
-	if (e.id != null && (l.id = e.id), Ci(l, e.class), e.title) {
-		let t = Di(Fr, l);
+	let l = r.root = Oi(Pr);
+	if (e.id != null && (l.id = e.id), Ti(l, e.class), e.title) {
+		let t = Oi(Lr, l);
 		t.textContent = e.title;
 	}
-	let u = Ei("canvas"), d = r.ctx = u.getContext("2d"), f = Di(Ir, l);
-	Ii("click", f, (e) => {
+	let u = Di("canvas"), d = r.ctx = u.getContext("2d"), f = Oi(Rr, l);
+	Li("click", f, (e) => {
 		e.target === m && (U != tn || W != nn) && sn.click(r, e);
 	}, !0);
-	let p = r.under = Di(Lr, f);
+	let p = r.under = Oi(zr, f);
 	f.appendChild(u);
-	let m = r.over = Di(Rr, f);
-	e = Ga(e);
-	let h = +Y(e.pxAlign, 1), g = Ks(h);
+	let m = r.over = Oi(Br, f);
+	e = Ka(e);
+	let h = +Y(e.pxAlign, 1), g = qs(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? yc(e.series || [], fs, js, !1) : bc(e.series || [null], As), y = r.axes = yc(e.axes || [], ls, Ts, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? bc(e.series || [], ps, Ms, !1) : xc(e.series || [null], js), y = r.axes = bc(e.axes || [], us, Es, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
@@ -5919,7 +5919,7 @@ function Mc(e, t, n) {
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => fa(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ha(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => pa(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ga(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5928,30 +5928,30 @@ function Mc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Pa)[t] || Pa;
+			let r = (e.scales || Fa)[t] || Fa;
 			if (r.from != null) {
 				E(r.from);
-				let e = Ka({}, b[r.from], r, { key: t });
+				let e = qa({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Ka({}, t == S ? Ns : Ps, r), n.key = t;
-				let e = n.time, a = n.range, o = La(a);
+				n = b[t] = qa({}, t == S ? Ps : Fs, r), n.key = t;
+				let e = n.time, a = n.range, o = Ra(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Ji : {
+					min: a[0] == null ? Yi : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Ji : {
+					max: a[1] == null ? Yi : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Va(a))) {
+				}, o = !1), !o && Ha(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Ia : Zi(n, r, e);
+					a = (t, n, r) => n == null ? La : Qi(n, r, e);
 				}
-				n.range = X(a || (e ? Cc : t == S ? n.distr == 3 ? Ec : n.distr == 4 ? Oc : Sc : n.distr == 3 ? Tc : n.distr == 4 ? Dc : wc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Ms), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? wc : t == S ? n.distr == 3 ? Dc : n.distr == 4 ? kc : Cc : n.distr == 3 ? Ec : n.distr == 4 ? Oc : Tc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Ns), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5962,7 +5962,7 @@ function Mc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (Ci(l, Nr), k = a, A = o) : (Ci(l, Pr), k = o, A = a);
+	D.ori == 0 ? (Ti(l, Fr), k = a, A = o) : (Ti(l, Ir), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5971,35 +5971,35 @@ function Mc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(oa(e / _))), te = e.fmtDate || uo, ne = _ == 1 ? No(ee) : Io(ee), re = Ro(ee, Lo(_ == 1 ? Mo : Fo, te)), ie = Uo(ee, Vo(Ho, te)), ae = [], M = r.legend = Ka({}, Ko, e.legend), N = r.cursor = Ka({}, ts, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
+	let ee = e.tzDate || ((e) => new Date(sa(e / _))), te = e.fmtDate || fo, ne = _ == 1 ? Po(ee) : Lo(ee), re = zo(ee, Ro(_ == 1 ? No : Io, te)), ie = Wo(ee, Ho(Uo, te)), ae = [], M = r.legend = qa({}, qo, e.legend), N = r.cursor = qa({}, ns, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
 	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
 	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
 		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = gi;
+		for (let e in de) pe[e] = vi;
 	}
 	if (P) {
-		if (I = Ei("table", Gr, l), ce = Ei("tbody", null, I), M.mount(r, I), fe) {
-			se = Ei("thead", null, I, ce);
-			let e = Ei("tr", null, se);
-			for (var me in Ei("th", null, e), de) Ei("th", Xr, e).textContent = me;
-		} else Ci(I, qr), M.live && Ci(I, Kr);
+		if (I = Di("table", qr, l), ce = Di("tbody", null, I), M.mount(r, I), fe) {
+			se = Di("thead", null, I, ce);
+			let e = Di("tr", null, se);
+			for (var me in Di("th", null, e), de) Di("th", Qr, e).textContent = me;
+		} else Ti(I, Yr), M.live && Ti(I, Jr);
 	}
 	let he = { show: !0 }, ge = { show: !1 };
 	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return Ia;
-		let n = [], a = Ei("tr", Jr, ce, ce.childNodes[t]);
-		Ci(a, e.class), e.show || Ci(a, Br);
-		let o = Ei("th", null, a);
+		if (t == 0 && (fe || !M.live || i == 2)) return La;
+		let n = [], a = Di("tr", Xr, ce, ce.childNodes[t]);
+		Ti(a, e.class), e.show || Ti(a, Hr);
+		let o = Di("th", null, a);
 		if (F.show) {
-			let e = Di(Yr, o);
+			let e = Oi(Zr, o);
 			if (t > 0) {
 				let n = F.width(r, t);
 				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
 			}
 		}
-		let s = Di(Xr, o);
+		let s = Oi(Qr, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
 			if (N._lock) return;
 			Ue(t);
@@ -6007,13 +6007,13 @@ function Mc(e, t, n) {
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && pn(r, e ? r == n ? he : ge : he, !0, Zn.setSeries);
+					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
 				});
-			} else pn(n, { show: !e.show }, !0, Zn.setSeries);
-		}, !1), Ke && ye(li, o, (t) => {
-			N._lock || (Ue(t), pn(v.indexOf(e), xn, !0, Zn.setSeries));
+			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
+		}, !1), Ke && ye(di, o, (t) => {
+			N._lock || (Ue(t), mn(v.indexOf(e), Sn, !0, Qn.setSeries));
 		}, !1)), de) {
-			let e = Ei("td", Zr, a);
+			let e = Di("td", $r, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -6021,11 +6021,11 @@ function Mc(e, t, n) {
 	let ve = /* @__PURE__ */ new Map();
 	function ye(e, t, n, i = !0) {
 		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (Ii(e, t, a[e] = o), ve.set(t, a));
+		o && (Li(e, t, a[e] = o), ve.set(t, a));
 	}
 	function be(e, t, n) {
 		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Li(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (Ri(n, t, r[n]), delete r[n]);
 		e ?? ve.delete(t);
 	}
 	let xe = 0, Se = 0, L = 0, R = 0, z = 0, Ce = 0, we = z, B = Ce, Te = L, Ee = R, De = 0, Oe = 0, ke = 0, Ae = 0;
@@ -6037,7 +6037,7 @@ function Mc(e, t, n) {
 	function Re(e, t) {
 		r.width = xe = L = e, r.height = Se = R = t, z = Ce = 0, Ve(), He();
 		let n = r.bbox;
-		De = n.left = Oa(z * J, .5), Oe = n.top = Oa(Ce * J, .5), ke = n.width = Oa(L * J, .5), Ae = n.height = Oa(R * J, .5);
+		De = n.left = ka(z * q, .5), Oe = n.top = ka(Ce * q, .5), ke = n.width = ka(L * q, .5), Ae = n.height = ka(R * q, .5);
 	}
 	function ze() {
 		let e = !1, t = 0;
@@ -6083,7 +6083,7 @@ function Mc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? ga, u = l >= 0 && l < ga, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? _a, u = l >= 0 && l < _a, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -6095,7 +6095,7 @@ function Mc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && ia(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && aa(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -6105,24 +6105,24 @@ function Mc(e, t, n) {
 	N.idxs = ae, N._lock = !1;
 	let We = N.points;
 	We.show = X(We.show), We.size = X(We.size), We.stroke = X(We.stroke), We.width = X(We.width), We.fill = X(We.fill);
-	let Ge = r.focus = Ka({}, e.focus || { alpha: .3 }, N.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
+	let Ge = r.focus = qa({}, e.focus || { alpha: .3 }, N.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
 	function Ze(e, t) {
 		let n = We.show(r, t);
-		if (n instanceof HTMLElement) return Ci(n, Wr), Ci(n, e.class), ki(n, -10, -10, L, R), m.insertBefore(n, Je[t]), n;
+		if (n instanceof HTMLElement) return Ti(n, Kr), Ti(n, e.class), Ai(n, -10, -10, L, R), m.insertBefore(n, Je[t]), n;
 	}
 	function Qe(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Ba(n) ? Uo(ee, Vo(n, te)) : n || ie : n || ws, e.label = e.label || (t ? ds : us);
+			e.value = t ? Va(n) ? Wo(ee, Ho(n, te)) : n || ie : n || Ts, e.label = e.label || (t ? fs : ds);
 		}
 		if (qe || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || _c || Ca, e.fillTo = X(e.fillTo || Vs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Ks(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Es(la(1, e.width), 1), n = e.points = Ka({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || vc || wa, e.fillTo = X(e.fillTo || Hs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = qs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Ds(ua(1, e.width), 1), n = e.points = qa({}, {
 				size: t,
-				width: la(1, t * .2),
+				width: ua(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: vc,
+				paths: yc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
@@ -6137,10 +6137,10 @@ function Mc(e, t, n) {
 			let n = null;
 			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
 		}
-		Yn("addSeries", t);
+		Xn("addSeries", t);
 	}
 	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? xc(e, t, fs, js) : xc(e, t, {}, As), v.splice(t, 0, e), Qe(v[t], t);
+		t ??= v.length, e = i == 1 ? Sc(e, t, ps, Ms) : Sc(e, t, {}, js), v.splice(t, 0, e), Qe(v[t], t);
 	}
 	r.addSeries = $e;
 	function et(e) {
@@ -6149,7 +6149,7 @@ function Mc(e, t, n) {
 			let t = le.splice(e, 1)[0];
 			be(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Yn("delSeries", e);
+		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Xn("delSeries", e);
 	}
 	r.delSeries = et;
 	let tt = [
@@ -6163,16 +6163,16 @@ function Mc(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), La(e.incrs) && e.incrs.forEach((e) => {
-				!ja.has(e) && ja.set(e, Ma(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? vo : a ? _ == 1 ? jo : Po : yo)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? hs : i.distr == 4 ? gs : ms)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ra(e.incrs) && e.incrs.forEach((e) => {
+				!Ma.has(e) && Ma.set(e, Na(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? yo : a ? _ == 1 ? Mo : Fo : bo)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? gs : i.distr == 4 ? _s : hs)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = La(o) && !La(o[0]) ? X(o) : a ? La(o) ? Ro(ee, Lo(o, te)) : Ba(o) ? zo(ee, o) : o || re : o || ps, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Ss : i.distr == 3 && i.log == 2 ? Cs : Sa)), e.font = Ac(e.font), e.labelFont = Ac(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = Di(zr, f));
+			e.values = Ra(o) && !Ra(o[0]) ? X(o) : a ? Ra(o) ? zo(ee, Ro(o, te)) : Va(o) ? Bo(ee, o) : o || re : o || ms, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Cs : i.distr == 3 && i.log == 2 ? ws : Ca)), e.font = jc(e.font), e.labelFont = jc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = Oi(Vr, f));
 		}
 	}
 	function rt(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? oa(ls.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? oa(Ts.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? sa(us.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? sa(Es.size / 2) : 0), l;
 	}
 	let it = r.padding = (e.padding || [
 		rt,
@@ -6194,28 +6194,28 @@ function Mc(e, t, n) {
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), Yn("setData"), O == 2 && (Ne = !0), n !== !1) {
+		if (Bt(!0), Xn("setData"), O == 2 && (Ne = !0), n !== !1) {
 			let e = D;
-			e.auto(r, V) ? ft() : fn(S, e.min, e.max), Pe ||= N.left >= 0, Ie = !0, Gt();
+			e.auto(r, V) ? ft() : pn(S, e.min, e.max), Pe ||= N.left >= 0, Ie = !0, Gt();
 		}
 	}
 	r.setData = dt;
 	function ft() {
 		V = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = Gi(e, e, D.log, !1) : O == 4 ? [e, n] = Ki(e, e, D.log, !1) : D.time ? n = e + oa(86400 / _) : [e, n] = Zi(e, n, qi, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), fn(S, e, n);
+		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = Ki(e, e, D.log, !1) : O == 4 ? [e, n] = qi(e, e, D.log, !1) : D.time ? n = e + sa(86400 / _) : [e, n] = Qi(e, n, Ji, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), pn(S, e, n);
 	}
 	let pt, mt, ht, gt, _t, H, vt, yt, bt, xt;
 	function St(e, t, n, r, i, a) {
-		e ??= ai, n ??= Fa, r ??= "butt", i ??= ai, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != H && (d.lineCap = H = r), n != gt && d.setLineDash(gt = n);
+		e ??= si, n ??= Ia, r ??= "butt", i ??= si, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != H && (d.lineCap = H = r), n != gt && d.setLineDash(gt = n);
 	}
 	function Ct(e, t, n, r) {
 		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
 		if (i.length > 0 && e.auto(r, V) && (t == null || t.min == null)) {
-			let t = Y(st, 0), r = Y(ct, i.length - 1), o = n.min == null ? Wi(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = ca(e.min, n.min = o[0]), e.max = la(e.max, n.max = o[1]);
+			let t = Y(st, 0), r = Y(ct, i.length - 1), o = n.min == null ? Gi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = la(e.min, n.min = o[0]), e.max = ua(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -6236,13 +6236,13 @@ function Mc(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Ga(b[t], Ha);
-				if (n.min != null) Ka(a, n);
+				let a = e[t] = Ka(b[t], Ua);
+				if (n.min != null) qa(a, n);
 				else if (t != S || i == 2) {
 					if (ot == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = ga, a.max = -Infinity;
+					} else a.min = _a, a.max = -Infinity;
 				}
 			}
 		}
@@ -6254,7 +6254,7 @@ function Mc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = Ri(s.min, t[0]), ct = Ri(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
+						s.min = e[0], s.max = e[1], st = zi(s.min, t[0]), ct = zi(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = st, n.idxs[1] = ct;
 				} else if (a > 0 && n.show && n.auto) {
@@ -6265,7 +6265,7 @@ function Mc(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == ga ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == _a ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6287,20 +6287,20 @@ function Mc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? fa(i.min) : e == 4 ? ha(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? fa(i.max) : e == 4 ? ha(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? pa(i.min) : e == 4 ? ga(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? pa(i.max) : e == 4 ? ga(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Ne = !0, Yn("setScale", e);
+			for (let e in n) Ne = !0, Xn("setScale", e);
 			oe && N.left >= 0 && (Pe = Ie = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = va(st - 1, 0, ot - 1), n = va(ct + 1, 0, ot - 1);
+		let t = ya(st - 1, 0, ot - 1), n = ya(ct + 1, 0, ot - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < ot - 1;) n++;
 		return [t, n];
@@ -6323,7 +6323,7 @@ function Mc(e, t, n) {
 						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
 						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), At(t, !0));
 					}
-					xt != n && (d.globalAlpha = xt = n), Yn("drawSeries", t);
+					xt != n && (d.globalAlpha = xt = n), Xn("drawSeries", t);
 				}
 			}), e && (d.globalAlpha = xt = 1);
 		}
@@ -6334,7 +6334,7 @@ function Mc(e, t, n) {
 	}
 	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * J, 3);
+		l = Z(l * q, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
@@ -6348,15 +6348,15 @@ function Mc(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Pa).band;
-				La(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Fa).band;
+				Ra(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Qi(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && $i(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Rs ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Ls && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & zs ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Rs && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
@@ -6373,7 +6373,7 @@ function Mc(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = kc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Ac(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -6400,7 +6400,7 @@ function Mc(e, t, n) {
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ut[e]) : p, h = a.distr == 2 ? ut[p[1]] - ut[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = sa(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = ca(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
@@ -6416,16 +6416,16 @@ function Mc(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = oa((t._lpos + s) * J);
-				Ct(t.labelFont[0], c, "center", n == 2 ? ei : ti), d.save(), i == 1 ? (a = o = 0, d.translate(p, oa(Oe + Ae / 2)), d.rotate((n == 3 ? -ra : ra) / 2)) : (a = oa(De + ke / 2), o = p);
-				let m = ya(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = sa((t._lpos + s) * q);
+				Ct(t.labelFont[0], c, "center", n == 2 ? ni : ri), d.save(), i == 1 ? (a = o = 0, d.translate(p, sa(Oe + Ae / 2)), d.rotate((n == 3 ? -ia : ia) / 2)) : (a = sa(De + ke / 2), o = p);
+				let m = ba(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? ke : Ae, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = oa(w * J), E = oa((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -ra / 180, O = g(t._pos * J), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? ke : Ae, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = sa(w * q), E = sa((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -ia / 180, O = g(t._pos * q), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? ni : t.align == 2 ? ri : D > 0 ? ni : D < 0 ? ri : i == 0 ? "center" : n == 3 ? ri : ni, D || i == 1 ? "middle" : n == 2 ? ei : ti);
+			Ct(A, c, t.align == 1 ? ii : t.align == 2 ? ai : D > 0 ? ii : D < 0 ? ai : i == 0 ? "center" : n == 3 ? ai : ii, D || i == 1 ? "middle" : n == 2 ? ni : ri);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6438,11 +6438,11 @@ function Mc(e, t, n) {
 					}
 				}
 			}
-			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? Ae : ke, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? Ae : ke, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? Ae : ke, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? Ae : ke, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Yn("drawAxes");
+		Xn("drawAxes");
 	}
 	function Bt(e) {
 		v.forEach((t, n) => {
@@ -6454,11 +6454,11 @@ function Mc(e, t, n) {
 	let Vt = !1, Ht = !1, Ut = [];
 	function Wt() {
 		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) Yn(...Ut[e]);
+		for (let e = 0; e < Ut.length; e++) Xn(...Ut[e]);
 		Ut.length = 0;
 	}
 	function Gt() {
-		Vt ||= (Qa(qt), !0);
+		Vt ||= ($a(qt), !0);
 	}
 	function Kt(e, t = !1) {
 		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
@@ -6466,35 +6466,35 @@ function Mc(e, t, n) {
 	r.batch = Kt;
 	function qt() {
 		if (je &&= (Et(), !1), Ne &&= (ze(), !1), Me) {
-			if (Ti(p, ni, z), Ti(p, ei, Ce), Ti(p, Qr, L), Ti(p, $r, R), Ti(m, ni, z), Ti(m, ei, Ce), Ti(m, Qr, L), Ti(m, $r, R), Ti(f, Qr, xe), Ti(f, $r, Se), u.width = oa(xe * J), u.height = oa(Se * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+			if (J(p, ii, z), J(p, ni, Ce), J(p, ei, L), J(p, ti, R), J(m, ii, z), J(m, ni, Ce), J(m, ei, L), J(m, ti, R), J(f, ei, xe), J(f, ti, Se), u.width = sa(xe * q), u.height = sa(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						Ti(e, a ? "left" : "top", r - t), Ti(e, a ? "width" : "height", n), Ti(e, a ? "top" : "left", a ? Ce : z), Ti(e, a ? "height" : "width", a ? R : L), wi(e, Br);
-					} else Ci(e, Br);
+						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? Ce : z), J(e, a ? "height" : "width", a ? R : L), Ei(e, Hr);
+					} else Ti(e, Hr);
 				}
-			}), pt = mt = ht = _t = H = vt = yt = bt = gt = null, xt = 1, Pn(!0), z != we || Ce != B || L != Te || R != Ee) {
+			}), pt = mt = ht = _t = H = vt = yt = bt = gt = null, xt = 1, Fn(!0), z != we || Ce != B || L != Te || R != Ee) {
 				Bt(!1);
 				let e = L / Te, t = R / Ee;
 				if (oe && !Pe && N.left >= 0) {
-					N.left *= e, N.top *= t, Zt && ki(Zt, oa(N.left), 0, L, R), Qt && ki(Qt, 0, oa(N.top), L, R);
+					N.left *= e, N.top *= t, Zt && Ai(Zt, sa(N.left), 0, L, R), Qt && Ai(Qt, 0, sa(N.top), L, R);
 					for (let n = 0; n < Je.length; n++) {
 						let r = Je[n];
-						r != null && (Ye[n] *= e, Xe[n] *= t, ki(r, sa(Ye[n]), sa(Xe[n]), L, R));
+						r != null && (Ye[n] *= e, Xe[n] *= t, Ai(r, ca(Ye[n]), ca(Xe[n]), L, R));
 					}
 				}
-				if (K.show && !Fe && K.left >= 0 && K.width > 0) {
-					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
-					for (let e in Ln) Ti(ln, e, K[e]);
+				if (G.show && !Fe && G.left >= 0 && G.width > 0) {
+					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
+					for (let e in Rn) J(un, e, G[e]);
 				}
 				we = z, B = Ce, Te = L, Ee = R;
 			}
-			Yn("setSize"), Me = !1;
+			Xn("setSize"), Me = !1;
 		}
-		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Yn("drawClear"), w.forEach((e) => e()), Yn("draw")), K.show && Fe && (un(K), Fe = !1), oe && Pe && (Mn(null, !0, !1), Pe = !1), M.show && M.live && Ie && (An(), Ie = !1), c || (c = !0, r.status = 1, Yn("ready")), V = !1, Vt = !1;
+		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Fe && (dn(G), Fe = !1), oe && Pe && (Nn(null, !0, !1), Pe = !1), M.show && M.live && Ie && (jn(), Ie = !1), c || (c = !0, r.status = 1, Xn("ready")), V = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Ne = t || !1, e === !1 ? Gt() : fn(S, D.min, D.max);
+		Ne = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
 	};
 	function Jt(e, n) {
 		let i = b[e];
@@ -6508,144 +6508,144 @@ function Mc(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = Ri(n.min, t[0]), n.max = Ri(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, je = !0, Gt();
+			e == S && i.distr == 2 && ot > 0 && (n.min = zi(n.min, t[0]), n.max = zi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, je = !0, Gt();
 		}
 	}
 	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, G = sn.y;
-	oe && (N.x && (Yt = Di(Hr, m)), N.y && (Xt = Di(Ur, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
-	let K = r.select = Ka({
+	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
+	oe && (N.x && (Yt = Oi(Wr, m)), N.y && (Xt = Oi(Gr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
+	let G = r.select = qa({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), ln = K.show ? Di(Vr, K.over ? m : p) : null;
-	function un(e, t) {
-		if (K.show) {
-			for (let t in e) K[t] = e[t], t in Ln && Ti(ln, t, e[t]);
-			t !== !1 && Yn("setSelect");
+	}, e.select), un = G.show ? Oi(Ur, G.over ? m : p) : null;
+	function dn(e, t) {
+		if (G.show) {
+			for (let t in e) G[t] = e[t], t in Rn && J(un, t, e[t]);
+			t !== !1 && Xn("setSelect");
 		}
 	}
-	r.setSelect = un;
-	function dn(e) {
-		if (v[e].show) P && wi(le[e], Br);
-		else if (P && Ci(le[e], Br), oe) {
+	r.setSelect = dn;
+	function fn(e) {
+		if (v[e].show) P && Ei(le[e], Hr);
+		else if (P && Ti(le[e], Hr), oe) {
 			let t = qe ? Je[0] : Je[e];
-			t != null && ki(t, -10, -10, L, R);
+			t != null && Ai(t, -10, -10, L, R);
 		}
 	}
-	function fn(e, t, n) {
+	function pn(e, t, n) {
 		Jt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function pn(e, t, n, a) {
-		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), Gt());
-		}), n !== !1 && Yn("setSeries", e, t), a && er("setSeries", r, e, t);
+	function mn(e, t, n, a) {
+		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
+		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
 	}
-	r.setSeries = pn;
-	function mn(e, t) {
-		Ka(x[e], t);
-	}
+	r.setSeries = mn;
 	function hn(e, t) {
+		qa(x[e], t);
+	}
+	function gn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function gn(e) {
+	function _n(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = hn, r.setBand = mn, r.delBand = gn;
-	function _n(e, t) {
+	r.addBand = gn, r.setBand = hn, r.delBand = _n;
+	function vn(e, t) {
 		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
 	}
-	let vn, yn, bn, xn = { focus: !0 };
-	function Sn(e) {
-		if (e != bn) {
+	let yn, bn, xn, Sn = { focus: !0 };
+	function Cn(e) {
+		if (e != xn) {
 			let t = e == null, n = Ge.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && _n(a, i ? 1 : Ge.alpha);
+					r._focus = t ? null : i, n && vn(a, i ? 1 : Ge.alpha);
 				}
-			}), bn = e, n && Gt();
+			}), xn = e, n && Gt();
 		}
 	}
-	P && Ke && ye(ui, I, (e) => {
-		N._lock || (Ue(e), bn != null && pn(null, xn, !0, Zn.setSeries));
+	P && Ke && ye(fi, I, (e) => {
+		N._lock || (Ue(e), xn != null && mn(null, Sn, !0, Qn.setSeries));
 	});
-	function Cn(e, t, n) {
+	function wn(e, t, n) {
 		let r = b[t];
-		n && (e = e / J - (r.ori == 1 ? Ce : z));
+		n && (e = e / q - (r.ori == 1 ? Ce : z));
 		let i = L;
 		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? ua(10, c) : l == 4 ? ma(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? da(10, c) : l == 4 ? ha(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function wn(e, n) {
-		return Ri(Cn(e, S, n), t[0], st, ct);
+	function Tn(e, n) {
+		return zi(wn(e, S, n), t[0], st, ct);
 	}
-	r.valToIdx = (e) => Ri(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? ke : L, n ? De : 0) : o(e, b[t], n ? Ae : R, n ? Oe : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Mn(null, t, n);
+	r.valToIdx = (e) => zi(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? ke : L, n ? De : 0) : o(e, b[t], n ? Ae : R, n ? Oe : 0), r.setCursor = (e, t, n) => {
+		U = e.left, W = e.top, Nn(null, t, n);
 	};
-	function Tn(e, t) {
-		Ti(ln, ni, K.left = e), Ti(ln, Qr, K.width = t);
-	}
 	function En(e, t) {
-		Ti(ln, ei, K.top = e), Ti(ln, $r, K.height = t);
+		J(un, ii, G.left = e), J(un, ei, G.width = t);
 	}
-	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
-	function kn() {
+	function Dn(e, t) {
+		J(un, ni, G.top = e), J(un, ti, G.height = t);
+	}
+	let On = D.ori == 0 ? En : Dn, kn = D.ori == 1 ? En : Dn;
+	function An() {
 		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
 			if (e == 0 && fe) continue;
 			let t = M.values[e], n = 0;
 			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function An(e, t) {
+	function jn(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : za(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && jn(e, ae[e]);
-			kn();
+		}) : Ba(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && Mn(e, ae[e]);
+			An();
 		}
-		Ie = !1, t !== !1 && Yn("setLegend");
+		Ie = !1, t !== !1 && Xn("setLegend");
 	}
-	r.setLegend = An;
-	function jn(e, n) {
+	r.setLegend = jn;
+	function Mn(e, n) {
 		let i = v[e], a = e == 0 && O == 2 ? ut : t[e], o;
 		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
 	}
-	function Mn(e, n, a) {
-		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && ki(Zt, oa(U), 0, L, R), Qt && ki(Qt, 0, oa(W), L, R));
+	function Nn(e, n, a) {
+		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && Ai(Zt, sa(U), 0, L, R), Qt && Ai(Qt, 0, sa(W), L, R));
 		let o, s = st > ct;
-		vn = ga, yn = null;
+		yn = _a, bn = null;
 		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
 		if (U < 0 || ot == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = Je[e];
-				t != null && ki(t, -10, -10, L, R);
+				t != null && Ai(t, -10, -10, L, R);
 			}
-			Ke && pn(null, xn, !0, e == null && Zn.setSeries), M.live && (ae.fill(o), Ie = !0);
+			Ke && mn(null, Sn, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Ie = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = Cn(e, S), o = N.idx = Ri(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = zi(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (Ie = Ie || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (Ke && S != null) {
-						let t = D.ori == 1 ? U : W, n = ia(Ge.dist(r, e, x, _, t));
-						if (n < vn) {
+						let t = D.ori == 1 ? U : W, n = aa(Ge.dist(r, e, x, _, t));
+						if (n < yn) {
 							let r = Ge.bias;
 							if (r != 0) {
-								let i = Cn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vn = n, yn = e);
-							} else vn = n, yn = e;
+								let i = wn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
+							} else yn = n, bn = e;
 						}
 					}
 					if (Ie || qe) {
@@ -6657,195 +6657,195 @@ function Mc(e, t, n) {
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
 						} else c = t, l = i, a = o = We.size(r, e);
-						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == yn && vn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == bn && yn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = Je[e];
-							t != null && (Ye[e] = c, Xe[e] = l, Ni(t, a, o, y), ji(t, v, g), ki(t, sa(c), sa(l), L, R));
+							t != null && (Ye[e] = c, Xe[e] = l, Pi(t, a, o, y), Mi(t, v, g), Ai(t, ca(c), ca(l), L, R));
 						}
 					}
 				}
 			}
 			if (qe) {
 				let e = Ge.prox;
-				if (Ie || (bn == null ? vn <= e : vn > e || yn != bn)) {
+				if (Ie || (xn == null ? yn <= e : yn > e || bn != xn)) {
 					let e = Je[0];
-					e != null && (Ye[0] = s, Xe[0] = u, Ni(e, d, f, p), ji(e, m, h), ki(e, sa(s), sa(u), L, R));
+					e != null && (Ye[0] = s, Xe[0] = u, Pi(e, d, f, p), Mi(e, m, h), Ai(e, ca(s), ca(u), L, R));
 				}
 			}
 		}
-		if (K.show && on) {
+		if (G.show && on) {
 			if (e != null) {
-				let [t, n] = Zn.scales, [r, i] = Zn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (cn = s._x, G = s._y, cn || G) {
+				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (cn = s._x, ln = s._y, cn || ln) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(ca(v, y), ia(y - v))) : Dn(0, c), S && G ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(ca(v, y), ia(y - v))) : On(0, l);
-				} else Rn();
+					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(la(v, y), aa(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(la(v, y), aa(y - v))) : kn(0, l);
+				} else zn();
 			} else {
-				let e = ia(rn - $t), t = ia(an - en);
+				let e = aa(rn - $t), t = aa(an - en);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				cn = sn.x && e >= sn.dist, G = sn.y && t >= sn.dist;
+				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
 				let n = sn.uni;
-				n == null ? sn.x && sn.y && (cn || G) && (cn = G = !0) : cn && G && (cn = e >= n, G = t >= n, !cn && !G && (t > e ? G = !0 : cn = !0));
+				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), Dn(ca(r, i), ia(i - r)), G || On(0, l)), G && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), On(ca(r, i), ia(i - r)), cn || Dn(0, c)), !cn && !G && (Dn(0, 0), On(0, 0));
+				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(la(r, i), aa(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(la(r, i), aa(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
 			}
 		}
-		if (sn._x = cn, sn._y = G, e == null) {
+		if (sn._x = cn, sn._y = ln, e == null) {
 			if (a) {
-				if (Qn != null) {
-					let [e, t] = Zn.scales;
-					Zn.values[0] = e == null ? null : Cn(D.ori == 0 ? U : W, e), Zn.values[1] = t == null ? null : Cn(D.ori == 1 ? U : W, t);
+				if ($n != null) {
+					let [e, t] = Qn.scales;
+					Qn.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
 				}
-				er(oi, r, U, W, L, R, o);
+				tr(ci, r, U, W, L, R, o);
 			}
 			if (Ke) {
-				let e = a && Zn.setSeries, t = Ge.prox;
-				bn == null ? vn <= t && pn(yn, xn, !0, e) : vn > t ? pn(null, xn, !0, e) : yn != bn && pn(yn, xn, !0, e);
+				let e = a && Qn.setSeries, t = Ge.prox;
+				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
 			}
 		}
-		Ie && (M.idx = o, An()), n !== !1 && Yn("setCursor");
+		Ie && (M.idx = o, jn()), n !== !1 && Xn("setCursor");
 	}
-	let Nn = null;
+	let Pn = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Nn ?? Pn(!1), Nn;
+		return Pn ?? Fn(!1), Pn;
 	} });
-	function Pn(e = !1) {
-		e ? Nn = null : (Nn = m.getBoundingClientRect(), Yn("syncRect", Nn));
+	function Fn(e = !1) {
+		e ? Pn = null : (Pn = m.getBoundingClientRect(), Xn("syncRect", Pn));
 	}
-	function Fn(e, t, n, r, i, a, o) {
-		N._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (In(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
+	function In(e, t, n, r, i, a, o) {
+		N._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Ln(e, t, n, r, i, a, o, !1, e != null), e == null ? Nn(t, !0, !1) : Nn(null, !0, !0));
 	}
-	function In(e, t, n, i, a, o, c, l, u) {
-		if (Nn ?? Pn(!1), Ue(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
+	function Ln(e, t, n, i, a, o, c, l, u) {
+		if (Pn ?? Fn(!1), Ue(e), e != null) n = e.clientX - Pn.left, i = e.clientY - Pn.top;
 		else {
 			if (n < 0 || i < 0) {
 				U = -10, W = -10;
 				return;
 			}
-			let [e, r] = Zn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Zn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Qn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Qn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == oi) && ((n <= 1 || n >= L - 1) && (n = Oa(n, L)), (i <= 1 || i >= R - 1) && (i = Oa(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == ci) && ((n <= 1 || n >= L - 1) && (n = ka(n, L)), (i <= 1 || i >= R - 1) && (i = ka(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
 	}
-	let Ln = {
+	let Rn = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function Rn() {
-		un(Ln, !1);
+	function zn() {
+		dn(Rn, !1);
 	}
-	let zn, q, Bn, Vn;
-	function Hn(e, t, n, i, a, o, s) {
-		on = !0, cn = G = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (ye(ci, vi, Un, !1), er(si, r, tn, nn, L, R, null));
-		let { left: c, top: l, width: u, height: d } = K;
-		zn = c, q = l, Bn = u, Vn = d;
-	}
+	let Bn, Vn, K, Hn;
 	function Un(e, t, n, i, a, o, s) {
-		on = sn._x = sn._y = !1, In(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = zn != c || q != l || Bn != u || Vn != d;
-		if (f && p && un(K), sn.setScale && f && p) {
-			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && fn(S, Cn(e, S), Cn(e + t, S)), G) for (let e in b) {
-				let t = b[e];
-				e != S && t.from == null && t.min != ga && fn(e, Cn(n + r, e), Cn(n, e));
-			}
-			Rn();
-		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
-		e != null && (be(ci, vi), er(ci, r, U, W, L, R, null));
+		on = !0, cn = ln = sn._x = sn._y = !1, Ln(e, t, n, i, a, o, s, !0, !1), e != null && (ye(ui, bi, Wn, !1), tr(li, r, tn, nn, L, R, null));
+		let { left: c, top: l, width: u, height: d } = G;
+		Bn = c, Vn = l, K = u, Hn = d;
 	}
-	function Wn(e, t, n, r, i, a, o) {
+	function Wn(e, t, n, i, a, o, s) {
+		on = sn._x = sn._y = !1, Ln(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Bn != c || Vn != l || K != u || Hn != d;
+		if (f && p && dn(G), sn.setScale && f && p) {
+			let e = c, t = u, n = l, r = d;
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
+				let t = b[e];
+				e != S && t.from == null && t.min != _a && pn(e, wn(n + r, e), wn(n, e));
+			}
+			zn();
+		} else N.lock && (N._lock = !N._lock, Nn(t, !0, e != null));
+		e != null && (be(ui, bi), tr(ui, r, U, W, L, R, null));
+	}
+	function Gn(e, t, n, r, i, a, o) {
 		if (N._lock) return;
 		Ue(e);
 		let s = on;
 		if (on) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = cn, r = G) : (n = G, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Mn(null, !0, !0), on = !1;
+			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Nn(null, !0, !0), on = !1;
 		}
-		U = -10, W = -10, ae.fill(null), Mn(null, !0, !0), s && (on = s);
+		U = -10, W = -10, ae.fill(null), Nn(null, !0, !0), s && (on = s);
 	}
-	function Gn(e, t, n, i, a, o, s) {
-		N._lock || (Ue(e), ft(), Rn(), e != null && er(di, r, U, W, L, R, null));
+	function Kn(e, t, n, i, a, o, s) {
+		N._lock || (Ue(e), ft(), zn(), e != null && tr(pi, r, U, W, L, R, null));
 	}
-	function Kn() {
-		y.forEach(jc), Le(r.width, r.height, !0);
+	function qn() {
+		y.forEach(Mc), Le(r.width, r.height, !0);
 	}
-	Ii(hi, yi, Kn);
-	let qn = {};
-	qn.mousedown = Hn, qn.mousemove = Fn, qn.mouseup = Un, qn.dblclick = Gn, qn.setSeries = (e, t, n, i) => {
-		let a = Zn.match[2];
-		n = a(r, t, n), n != -1 && pn(n, i, !0, !1);
-	}, oe && (ye(si, m, Hn), ye(oi, m, Fn), ye(li, m, (e) => {
-		Ue(e), Pn(!1);
-	}), ye(ui, m, Wn), ye(di, m, Gn), hc.add(r), r.syncRect = Pn);
-	let Jn = r.hooks = e.hooks || {};
-	function Yn(e, t, n) {
+	Li(_i, xi, qn);
+	let Jn = {};
+	Jn.mousedown = Un, Jn.mousemove = In, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
+		let a = Qn.match[2];
+		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
+	}, oe && (ye(li, m, Un), ye(ci, m, In), ye(di, m, (e) => {
+		Ue(e), Fn(!1);
+	}), ye(fi, m, Gn), ye(pi, m, Kn), gc.add(r), r.syncRect = Fn);
+	let Yn = r.hooks = e.hooks || {};
+	function Xn(e, t, n) {
 		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in Jn && Jn[e].forEach((e) => {
+		]) : e in Yn && Yn[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Jn[t] = (Jn[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
 	});
-	let Xn = (e, t, n) => n, Zn = Ka({
+	let Zn = (e, t, n) => n, Qn = qa({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: wa,
-			sub: wa
+			pub: Ta,
+			sub: Ta
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			Ta,
-			Ta,
-			Xn
+			Ea,
+			Ea,
+			Zn
 		],
 		values: [null, null]
 	}, N.sync);
-	Zn.match.length == 2 && Zn.match.push(Xn), N.sync = Zn;
-	let Qn = Zn.key, $n = Is(Qn);
-	function er(e, t, n, r, i, a, o) {
-		Zn.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
-	}
-	$n.sub(r);
+	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
+	let $n = Qn.key, er = Ls($n);
 	function tr(e, t, n, r, i, a, o) {
-		Zn.filters.sub(e, t, n, r, i, a, o) && qn[e](null, t, n, r, i, a, o);
+		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
 	}
-	r.pub = tr;
-	function nr() {
-		$n.unsub(r), hc.delete(r), ve.clear(), Li(hi, yi, Kn), l.remove(), I?.remove(), Yn("destroy");
+	er.sub(r);
+	function nr(e, t, n, r, i, a, o) {
+		Qn.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
 	}
-	r.destroy = nr;
+	r.pub = nr;
 	function rr() {
-		Yn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Fe = K.show && (K.width > 0 || K.height > 0), Pe = Ie = !0, Le(e.width, e.height);
+		er.unsub(r), gc.delete(r), ve.clear(), Ri(_i, xi, qn), l.remove(), I?.remove(), Xn("destroy");
 	}
-	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
+	r.destroy = rr;
+	function ir() {
+		Xn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Fe = G.show && (G.width > 0 || G.height > 0), Pe = Ie = !0, Le(e.width, e.height);
+	}
+	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
 }
-Mc.assign = Ka, Mc.fmtNum = ta, Mc.rangeNum = Zi, Mc.rangeLog = Gi, Mc.rangeAsinh = Ki, Mc.orient = zs, Mc.pxRatio = J, Mc.join = Za, Mc.fmtDate = uo, Mc.tzDate = po, Mc.sync = Is;
+Nc.assign = qa, Nc.fmtNum = na, Nc.rangeNum = Qi, Nc.rangeLog = Ki, Nc.rangeAsinh = qi, Nc.orient = Bs, Nc.pxRatio = q, Nc.join = Qa, Nc.fmtDate = fo, Nc.tzDate = mo, Nc.sync = Ls;
 {
-	Mc.addGap = Ws, Mc.clipGaps = Us;
-	let e = Mc.paths = { points: ic };
-	e.linear = cc, e.stepped = lc, e.bars = dc, e.spline = pc;
+	Nc.addGap = Gs, Nc.clipGaps = Ws;
+	let e = Nc.paths = { points: ac };
+	e.linear = lc, e.stepped = uc, e.bars = fc, e.spline = mc;
 }
 // src/phase.tsx
-var [Nc, Pc] = [420, 300], $ = {
+var [Pc, Fc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function Fc({ store: e, state: t }) {
+function Ic({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
 	if (yt(() => {
 		if (!i || !a) return;
@@ -6869,7 +6869,7 @@ function Fc({ store: e, state: t }) {
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Nc - $.left - $.right), g = (e) => Pc - $.bottom - (e - d) / m * (Pc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Pc - $.left - $.right), g = (e) => Fc - $.bottom - (e - d) / m * (Fc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6882,7 +6882,7 @@ function Fc({ store: e, state: t }) {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
 		children: /* @__PURE__ */ B("svg", {
-			viewBox: `0 0 ${Nc} ${Pc}`,
+			viewBox: `0 0 ${Pc} ${Fc}`,
 			role: "img",
 			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
 			children: [
@@ -6890,20 +6890,20 @@ function Fc({ store: e, state: t }) {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: Nc - $.left - $.right,
-					height: Pc - $.top - $.bottom
+					width: Pc - $.left - $.right,
+					height: Fc - $.top - $.bottom
 				}),
 				l < 0 && u > 0 && /* @__PURE__ */ B("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: Pc - $.bottom
+					y2: Fc - $.bottom
 				}),
 				d < 0 && f > 0 && /* @__PURE__ */ B("line", {
 					class: "axis",
 					x1: $.left,
-					x2: Nc - $.right,
+					x2: Pc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
@@ -6923,25 +6923,25 @@ function Fc({ store: e, state: t }) {
 				}),
 				/* @__PURE__ */ B("text", {
 					x: $.left,
-					y: Pc - $.bottom + 14,
+					y: Fc - $.bottom + 14,
 					children: z(l, n.units[0])
 				}),
 				/* @__PURE__ */ B("text", {
-					x: Nc - $.right,
-					y: Pc - $.bottom + 14,
+					x: Pc - $.right,
+					y: Fc - $.bottom + 14,
 					"text-anchor": "end",
 					children: z(u, n.units[0])
 				}),
 				/* @__PURE__ */ B("text", {
-					x: (Nc + $.left) / 2,
-					y: Pc - 6,
+					x: (Pc + $.left) / 2,
+					y: Fc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
 				/* @__PURE__ */ B("text", {
 					x: $.left - 5,
-					y: Pc - $.bottom,
+					y: Fc - $.bottom,
 					"text-anchor": "end",
 					children: z(d, n.units[1])
 				}),
@@ -6952,7 +6952,7 @@ function Fc({ store: e, state: t }) {
 					children: z(f, n.units[1])
 				}),
 				/* @__PURE__ */ B("text", {
-					transform: `translate(12,${(Pc - $.bottom) / 2}) rotate(-90)`,
+					transform: `translate(12,${(Fc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6962,7 +6962,7 @@ function Fc({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Ic = [
+var Lc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6970,7 +6970,7 @@ var Ic = [
 	"--c5",
 	"--c6"
 ];
-function Lc({ store: e, state: t }) {
+function Rc({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = bt(null), l = t.run, [u, d] = t.span;
 	yt(() => {
 		let e = c.current;
@@ -7006,7 +7006,7 @@ function Lc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ B(Rc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ B(zc, {
 		state: t,
 		soFar: t.soFar
 	});
@@ -7037,7 +7037,7 @@ function Lc({ store: e, state: t }) {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ B(zc, {
+					/* @__PURE__ */ B(Bc, {
 						store: e,
 						state: t,
 						run: l
@@ -7090,9 +7090,9 @@ function Lc({ store: e, state: t }) {
 				class: "doubt",
 				children: l.doubt.said
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ B(Bc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ B(Vc, {
 				name: r,
-				ink: Ic[i % Ic.length],
+				ink: Lc[i % Lc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -7106,11 +7106,11 @@ function Lc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ B(Fc, {
+			t.phase && /* @__PURE__ */ B(Ic, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ B(Wc, {
+			/* @__PURE__ */ B(Gc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7119,14 +7119,14 @@ function Lc({ store: e, state: t }) {
 		]
 	});
 }
-function Rc({ state: e, soFar: t }) {
+function zc({ state: e, soFar: t }) {
 	let n = bt(null), r = [t.tBegin, t.tEnd];
 	return /* @__PURE__ */ B("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ B(Bc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ B(Vc, {
 			name: i.name,
-			ink: Ic[a % Ic.length],
+			ink: Lc[a % Lc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7136,7 +7136,7 @@ function Rc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ B(Wc, {
+		}, i.name)), /* @__PURE__ */ B(Gc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7144,7 +7144,7 @@ function Rc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function zc({ store: e, state: t, run: n }) {
+function Bc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
 	return /* @__PURE__ */ B("span", {
 		class: "chooser",
@@ -7172,7 +7172,7 @@ function zc({ store: e, state: t, run: n }) {
 		]
 	});
 }
-var Bc = class extends S {
+var Vc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7191,8 +7191,8 @@ var Bc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Ic[(t + 3) % Ic.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Mc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new Mc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Lc[(t + 3) % Lc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Nc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new Nc({
 			width: Math.max(n - 4, 200),
 			height: r ? 138 : 118,
 			padding: [
@@ -7214,7 +7214,7 @@ var Bc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Vc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Hc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7225,7 +7225,7 @@ var Bc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Hc(t, "s")
+				values: (e, t) => Uc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7238,7 +7238,7 @@ var Bc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Hc(t, p)
+				values: (e, t) => Uc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7314,13 +7314,13 @@ var Bc = class extends S {
 		});
 	}
 };
-function Vc(e, t, n) {
+function Hc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Hc(e, t) {
+function Uc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7341,7 +7341,7 @@ function Hc(e, t) {
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
 	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${L(t)}`);
 }
-var Uc = [
+var Wc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7351,7 +7351,7 @@ var Uc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Wc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Gc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
 	return /* @__PURE__ */ B("div", {
@@ -7382,14 +7382,14 @@ function Wc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Uc[o % Uc.length],
+						fill: Wc[o % Wc.length],
 						children: /* @__PURE__ */ B("title", { children: e.states[o] })
 					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ B("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Uc[t % Uc.length],
+						fill: Wc[t % Wc.length],
 						opacity: n
 					}) : null))]
 				})), r !== null && r >= t && r <= n && /* @__PURE__ */ B("line", {
@@ -7415,20 +7415,20 @@ function Wc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Gc = {
+var Kc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, Kc = 150, [qc, Jc, Yc, Xc] = [
+}, qc = 150, [Jc, Yc, Xc, Zc] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Zc(e) {
+function Qc(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7448,26 +7448,26 @@ function Zc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function Qc({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Jc + Yc) + 120, o = (a - i * Yc - 8) / r, s = (e, t) => {
+function $c({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Yc + Xc) + 120, o = (a - i * Xc - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Yc, r += i;
-			let [c, l] = t ? [Xc, qc / 2 - Xc / 2] : [qc - Xc, qc / 2 + Xc / 2], u = (c + l) / 2;
+			n += Math.max(i, 1) + Xc, r += i;
+			let [c, l] = t ? [Zc, Jc / 2 - Zc / 2] : [Jc - Zc, Jc / 2 + Zc / 2], u = (c + l) / 2;
 			return /* @__PURE__ */ B("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
 					/* @__PURE__ */ B("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
 					/* @__PURE__ */ B("rect", {
-						x: t ? 0 : qc - Xc,
+						x: t ? 0 : Jc - Zc,
 						y: a,
-						width: Xc,
+						width: Zc,
 						height: Math.max(i, 1)
 					}),
 					/* @__PURE__ */ B("text", {
-						x: t ? Xc + 4 : qc - Xc - 4,
+						x: t ? Zc + 4 : Jc - Zc - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7478,7 +7478,7 @@ function Qc({ gives: e, takes: t }) {
 	};
 	return /* @__PURE__ */ B("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${qc} ${a}`,
+		viewBox: `0 0 ${Jc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
@@ -7486,15 +7486,15 @@ function Qc({ gives: e, takes: t }) {
 			s(t, !1),
 			/* @__PURE__ */ B("rect", {
 				class: "middle-bar",
-				x: qc / 2 - Xc / 2,
+				x: Jc / 2 - Zc / 2,
 				y: 4,
-				width: Xc,
+				width: Zc,
 				height: r * o
 			})
 		]
 	});
 }
-function $c({ store: e, state: t }) {
+function el({ store: e, state: t }) {
 	let [n, r] = H(!1);
 	return t.cursor ? /* @__PURE__ */ B("section", {
 		class: "power-panel",
@@ -7511,7 +7511,7 @@ function $c({ store: e, state: t }) {
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), B(n ? el : tl, {
+		}), B(n ? tl : nl, {
 			store: e,
 			state: t
 		})]
@@ -7520,7 +7520,7 @@ function $c({ store: e, state: t }) {
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function el({ store: e, state: t }) {
+function tl({ store: e, state: t }) {
 	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
 	if (yt(() => {
 		let t = !1, n = setTimeout(() => {
@@ -7528,7 +7528,7 @@ function el({ store: e, state: t }) {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, Kc);
+		}, qc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
@@ -7551,7 +7551,7 @@ function el({ store: e, state: t }) {
 			" to ",
 			z(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ B(Qc, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ B($c, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
 		}) : /* @__PURE__ */ B("p", {
@@ -7590,8 +7590,8 @@ function el({ store: e, state: t }) {
 		})
 	] });
 }
-function tl({ store: e, state: t }) {
-	let { found: n, unknown: r } = Zc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function nl({ store: e, state: t }) {
+	let { found: n, unknown: r } = Qc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7601,7 +7601,7 @@ function tl({ store: e, state: t }) {
 	});
 	return /* @__PURE__ */ B(x, { children: [
 		/* @__PURE__ */ B("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ B(Qc, {
+		a.length > 0 ? /* @__PURE__ */ B($c, {
 			gives: o.map(u),
 			takes: s.map(u)
 		}) : /* @__PURE__ */ B("p", {
@@ -7629,7 +7629,7 @@ function tl({ store: e, state: t }) {
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ B("td", { children: (Gc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ B("td", { children: (Kc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
 				/* @__PURE__ */ B("td", {
 					class: "figure",
 					children: z(Math.abs(e.power), "W")
@@ -7652,7 +7652,7 @@ function tl({ store: e, state: t }) {
 	] });
 }
 // src/splitter.tsx
-function nl(e) {
+function rl(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
 	return /* @__PURE__ */ B("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
@@ -7683,12 +7683,12 @@ function nl(e) {
 	});
 }
 // src/transport.ts
-var rl = class extends Error {
+var il = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, il = class {
+}, al = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7724,19 +7724,19 @@ var rl = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new rl(e.error)) : t.done(e);
+			e.error ? t.failed(new il(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function al({ store: e, state: t }) {
+function ol({ store: e, state: t }) {
 	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
 	yt(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof rl ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof il ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7801,7 +7801,7 @@ function al({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var ol = [
+var sl = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7811,7 +7811,7 @@ var ol = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], sl = class extends S {
+], cl = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7869,7 +7869,7 @@ var ol = [
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ B(ll, {
+				/* @__PURE__ */ B(ul, {
 					store: e,
 					state: t,
 					errors: i
@@ -7877,7 +7877,7 @@ var ol = [
 				/* @__PURE__ */ B("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ B(En, {
+						/* @__PURE__ */ B(On, {
 							store: e,
 							state: t
 						}),
@@ -7886,12 +7886,12 @@ var ol = [
 							children: [/* @__PURE__ */ B(tt, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ B(al, {
+							}), t.schematic && /* @__PURE__ */ B(ol, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ B(nl, {
+						/* @__PURE__ */ B(rl, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7910,7 +7910,7 @@ var ol = [
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: ol.map(([r, a]) => /* @__PURE__ */ B("button", {
+								children: sl.map(([r, a]) => /* @__PURE__ */ B("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
@@ -7928,39 +7928,39 @@ var ol = [
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ B(Gt, {
+									t.tab === "item" && /* @__PURE__ */ B(Kt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ B(on, {
+									t.tab === "machines" && /* @__PURE__ */ B(sn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ B(vn, {
+									t.tab === "model" && /* @__PURE__ */ B(bn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ B(Sn, {
+									t.tab === "problems" && /* @__PURE__ */ B(wn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ B(Cn, {
+									t.tab === "table" && /* @__PURE__ */ B(Tn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ B(wn, {
+									t.tab === "text" && /* @__PURE__ */ B(En, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ B(zt, {
+									t.tab === "equations" && /* @__PURE__ */ B(Bt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ B($c, {
+									t.tab === "power" && /* @__PURE__ */ B(el, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ B(qn, {
+									t.tab === "plan" && /* @__PURE__ */ B(Yn, {
 										store: e,
 										state: t
 									})
@@ -7971,7 +7971,7 @@ var ol = [
 				}),
 				t.bottom && /* @__PURE__ */ B("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ B(nl, {
+					children: [/* @__PURE__ */ B(rl, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7982,14 +7982,14 @@ var ol = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ B(br, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ B(Sr, {
 						store: e,
 						state: t,
 						plan: t.plan
-					}) : /* @__PURE__ */ B(x, { children: [t.sweep ? /* @__PURE__ */ B(mn, {
+					}) : /* @__PURE__ */ B(x, { children: [t.sweep ? /* @__PURE__ */ B(gn, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ B(Lc, {
+					}) : /* @__PURE__ */ B(Rc, {
 						store: e,
 						state: t
 					}), /* @__PURE__ */ B(jt, {
@@ -8004,7 +8004,7 @@ var ol = [
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ B(cl, {
+					/* @__PURE__ */ B(ll, {
 						store: e,
 						state: t
 					}),
@@ -8023,11 +8023,11 @@ var ol = [
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ B(Mn, {
+				t.adding && n.view.editable && /* @__PURE__ */ B(Pn, {
 					store: e,
 					state: t
 				}),
-				t.finding && /* @__PURE__ */ B(It, {
+				t.finding && /* @__PURE__ */ B(Lt, {
 					store: e,
 					state: t
 				}),
@@ -8056,7 +8056,7 @@ var ol = [
 		});
 	}
 };
-function cl({ store: e, state: t }) {
+function ll({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
 	return n.length ? /* @__PURE__ */ B("span", {
 		class: "modes",
@@ -8072,10 +8072,10 @@ function cl({ store: e, state: t }) {
 		]
 	}) : null;
 }
-function ll({ store: e, state: t, errors: n }) {
+function ul({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
 	return /* @__PURE__ */ B("header", { children: [
-		/* @__PURE__ */ B(ul, {
+		/* @__PURE__ */ B(dl, {
 			store: e,
 			state: t
 		}),
@@ -8155,7 +8155,7 @@ function ll({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function ul({ store: e, state: t }) {
+function dl({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8258,17 +8258,17 @@ function ul({ store: e, state: t }) {
 	});
 }
 // src/sharing.ts
-function dl(e, t) {
+function fl(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = dl(n[e], r[e]);
+		let t = fl(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var fl = {
+var pl = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8306,21 +8306,21 @@ var fl = {
 		side: 340,
 		low: 0
 	}
-}, pl = [
+}, ml = [
 	"C",
 	"I",
 	"R",
 	"G",
 	"Se",
 	"Sf"
-], ml = .9;
-function hl(e) {
+], hl = .9;
+function gl(e) {
 	let t = e.ports ?? [];
 	return t.length ? ke(e, t.map((e, t) => "we"[t % 2]).join("")).half / Te[0] : .3;
 }
-var gl = 32, _l = class {
+var _l = 32, vl = class {
 	transport;
-	state = fl;
+	state = pl;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8363,7 +8363,7 @@ var gl = 32, _l = class {
 		}
 	}
 	refused(e) {
-		e instanceof rl ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof il ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8371,7 +8371,7 @@ var gl = 32, _l = class {
 		} });
 	}
 	take(e) {
-		let t = dl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = fl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8424,7 +8424,7 @@ var gl = 32, _l = class {
 		let t = new Set((this.state.look?.view.nodes ?? []).map((e) => e.name)), n = this.state.plotted.some((n) => e.names?.includes(n) || t.has(n.replace(/\.[ef]$/, "")));
 		this.set({
 			run: e,
-			plotted: n ? this.state.plotted : (e.plot ?? []).slice(0, gl),
+			plotted: n ? this.state.plotted : (e.plot ?? []).slice(0, _l),
 			span: [e.tBegin ?? 0, e.tEnd ?? 1],
 			cursor: null,
 			instant: null,
@@ -8472,11 +8472,11 @@ var gl = 32, _l = class {
 	freePlace(e) {
 		let t = this.state.look?.view.nodes ?? [];
 		if (!t.length) return [0, 0];
-		let n = pl.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !pl.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < hl(t) + (s ? ml : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
+		let n = ml.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !ml.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < gl(t) + (s ? hl : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
 			...d,
 			[0, -1],
 			[0, 1]
-		] : [], p = s || hl(o) > .3 ? [
+		] : [], p = s || gl(o) > .3 ? [
 			[1, 0],
 			[2, 0],
 			[3, 0],
@@ -8650,7 +8650,7 @@ var gl = 32, _l = class {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = dl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = fl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8667,11 +8667,11 @@ var gl = 32, _l = class {
 	}
 };
 // src/widget.tsx
-function vl({ model: e, el: t }) {
-	let n = new il(), r = new _l(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ B(sl, { store: r }), t), r.begin(), () => {
+function yl({ model: e, el: t }) {
+	let n = new al(), r = new vl(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ B(cl, { store: r }), t), r.begin(), () => {
 		e.off("msg:custom", i), I(null, t);
 	};
 }
-var yl = { render: vl };
-export { yl as default, vl as render };
+var bl = { render: yl };
+export { bl as default, yl as render };
