@@ -300,6 +300,26 @@ __all__ = [
 ]
 
 
+_ELSEWHERE = {
+    **dict.fromkeys(("l", "inductor", "inductance", "inertia", "mass", "coil"), "I"),
+    **dict.fromkeys(("capacitor", "capacitance", "spring", "compliance", "tank"), "C"),
+    **dict.fromkeys(("resistor", "resistance", "damper", "friction"), "R"),
+    **dict.fromkeys(("conductance",), "G"),
+    **dict.fromkeys(("mse", "effortsource", "voltagesource", "force", "source"), "Se"),
+    **dict.fromkeys(("msf", "flowsource", "currentsource", "velocity"), "Sf"),
+    **dict.fromkeys(("transformer", "mtf", "gear", "lever"), "TF"),
+    **dict.fromkeys(("gyrator", "mgy", "motor"), "GY"),
+    **dict.fromkeys(("junction0", "zero", "j0", "p", "parallel"), "Zero"),
+    **dict.fromkeys(("junction1", "one", "j1", "s", "series"), "One"),
+    **dict.fromkeys(("open", "read", "from_file"), "load"),
+    **dict.fromkeys(("sim", "run", "solve"), "simulate"),
+    **dict.fromkeys(("linearize", "poles"), "linearise"),
+    **dict.fromkeys(("optimize", "minimise", "minimize"), "optimise"),
+    **dict.fromkeys(("netlist", "spice", "load_netlist"), "read_circuit"),
+}
+"""What is named otherwise in other programs, in small letters."""
+
+
 @uncollected
 def __getattr__(name: str) -> Any:
     if name in _ROOMS:
@@ -307,7 +327,8 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         from hybond.names import did_you_mean
 
-        near = did_you_mean(name, __all__)
+        same = _ELSEWHERE.get(name.lower().removesuffix("junction").rstrip("_"), "")
+        near = f"did you mean {same!r}?" if same else did_you_mean(name, __all__)
         more = f"; try: {near}" if near.startswith("did") else ""
         raise AttributeError(f"module 'hybond' has no attribute {name!r}{more}")
     value = getattr(import_module(_HOME[name]), _OTHER_NAME.get(name, name))

@@ -51,6 +51,16 @@ QUANTISED = ("qss1", "qss2", "qss3", "liqss1", "liqss2", "liqss3")
 ALIASES: dict[str, str] = {"qss": "qss3", "liqss": "liqss2"}
 """Families of solvers by the member to begin with."""
 
+ELSEWHERE: dict[str, str] = {
+    **dict.fromkeys(("ode45", "ode23", "dopri5", "rk23", "dop853", "runge-kutta"), "rk45"),
+    **dict.fromkeys(("ode15s", "ode23s", "ode23t", "bdf", "lsoda", "dassl", "cvode"), "radau"),
+    **dict.fromkeys(("ida", "gear", "trap", "trapezoidal", "implicit", "stiff"), "radau"),
+    **dict.fromkeys(("ode4", "runge-kutta-4"), "rk4"),
+    **dict.fromkeys(("ode1", "forward-euler"), "euler"),
+    **dict.fromkeys(("moreau", "time-stepping"), "moreau-jean"),
+}
+"""Names of methods in other programs, and the one here of the same kind."""
+
 STEPPING_IMPACT = "newton_simultaneous"
 """The law of impacts that time-stepping has built in."""
 
@@ -122,7 +132,9 @@ class Option:
         if self.kind == "word":
             name = ALIASES.get(str(value), str(value))
             if name not in self.choices:
-                raise self.refused(value, did_you_mean(name, self.choices))
+                same = ELSEWHERE.get(name.lower().replace("_", "-"), "")
+                meant = f"{same!r} is of its kind" if same in self.choices else ""
+                raise self.refused(value, meant or did_you_mean(name, self.choices))
             return name
         if self.kind == "count":
             if not isinstance(value, int) or isinstance(value, bool) or value < self.bounds[0]:

@@ -457,10 +457,15 @@ def _symbols() -> dict[Dimension, str]:
     return found
 
 
+def _of_unit(unit: str) -> Dimension:
+    """Return the dimension of a unit in its own words: an angular velocity is told in rad/s."""
+    return _worded(unit, parse_unit(unit)[1])
+
+
 _POWER_PAIRS = "electrical V A;translational N m/s;rotational N*m rad/s;hydraulic Pa m^3/s;"
 _POWER_PAIRS += "thermal K W/K;thermal_pseudo K W;magnetic A V"
 DOMAINS: Mapping[str, Domain] = {
-    name: Domain(name, e, f, parse_unit(e)[1], parse_unit(f)[1], name.endswith("pseudo"))
+    name: Domain(name, e, f, _of_unit(e), _of_unit(f), name.endswith("pseudo"))
     for name, e, f in map(str.split, _POWER_PAIRS.split(";"))
 } | {
     "generic": Domain("generic", "", "", None, None),

@@ -2,6 +2,7 @@
 import { Component } from "preact";
 import { Canvas } from "./canvas";
 import { Events } from "./events";
+import { Find } from "./find";
 import { Equations } from "./formulas";
 import { Item } from "./item";
 import { Machines } from "./machines";
@@ -11,6 +12,7 @@ import { PlanPanel } from "./plan";
 import { PlanView } from "./planned";
 import { Plots } from "./plots";
 import { Power } from "./power";
+import { quantity } from "./quantities";
 import { Splitter } from "./splitter";
 import { Schematic } from "./schematic";
 import type { State, Store, Tab } from "./store";
@@ -160,6 +162,7 @@ export class App extends Component<{ store: Store; whole?: boolean }, State> {
           <button class="verdict" aria-pressed={state.bottom} onClick={() => store.set({ bottom: !state.bottom })}>plots</button>
         </footer>
         {state.adding && look.view.editable && <QuickAdd store={store} state={state} />}
+        {state.finding && <Find store={store} state={state} />}
         {state.notice && (
           <div class="notice" role="alert">
             <b>{state.notice.code}</b> {state.notice.where && <i>{state.notice.where}: </i>}
@@ -182,7 +185,7 @@ function Modes({ store, state }: { store: Store; state: State }) {
   if (!own.length) return null;
   return (
     <span class="modes">
-      {state.cursor && <b>t = {+state.cursor.t.toPrecision(6)} s</b>}
+      {state.cursor && <b>t = {quantity(state.cursor.t, "s", 6)}</b>}
       {own.slice(0, 8).map((m) => (
         <label>
           {m.path}

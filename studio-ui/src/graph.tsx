@@ -1,8 +1,8 @@
 /** The picture of a bond graph: signals, bonds, nodes, and the gesture that goes on. */
 import { bondShape, nodeOf, sides, type Point } from "./geometry";
-import type { GraphNode, Strokes } from "./messages";
+import type { GraphBond, GraphNode, Strokes } from "./messages";
 import { quantity } from "./quantities";
-import { BondShapeView, CELL, NodeShape, boxOf, joint, pixels, portSides } from "./shapes";
+import { BondShapeView, BondValues, CELL, NodeShape, boxOf, joint, pixels, portSides } from "./shapes";
 import type { Sight } from "./sight";
 import type { State } from "./store";
 
@@ -63,6 +63,29 @@ export function GraphPicture({ state, sight, gesture, moved }: Props) {
     ? Math.max(1e-300, ...Object.values(values).map((v) => Math.abs((v.e ?? 0) * (v.f ?? 0))))
     : 1;
   const target = gesture?.kind === "wire" ? nodeOf(gesture.target) : "";
+  const bondProps = (b: GraphBond) => {
+    const [tail, head] = [by.get(b.tail)!, by.get(b.head)!];
+    const [t, h] = [at.get(b.tail)!, at.get(b.head)!];
+    const same = pairs.get(pairOf(b.ends))!;
+    const value = values?.[b.key];
+    return {
+      bond: b,
+      tail,
+      head,
+      tx: t[0],
+      ty: t[1],
+      hx: h[0],
+      hy: h[1],
+      tailControlled: controlled(tail),
+      headControlled: controlled(head),
+      tailPorts: portsOf(b.tail),
+      headPorts: portsOf(b.head),
+      shift: same.indexOf(b.key) - (same.length - 1) / 2,
+      drawn: drawn.bonds[b.key] ?? drawn.bonds[`${b.ends[0]} -> ${b.ends[1]}`],
+      selected: state.bonds.has(b.key),
+      flow: state.flowing && value ? ((value.e ?? 0) * (value.f ?? 0)) / most : 0,
+    };
+  };
   return (
     <>
       <defs>
@@ -86,34 +109,7 @@ export function GraphPicture({ state, sight, gesture, moved }: Props) {
           );
         })}
         {/* each kind in a group of its own: a browser lays out all that a changed group holds */}
-        <g>{look.view.bonds.map((b) => {
-          const [tail, head] = [by.get(b.tail)!, by.get(b.head)!];
-          const [t, h] = [at.get(b.tail)!, at.get(b.head)!];
-          const same = pairs.get(pairOf(b.ends))!;
-          const value = values?.[b.key];
-          return (
-            <BondShapeView
-              key={b.key}
-              bond={b}
-              tail={tail}
-              head={head}
-              tx={t[0]}
-              ty={t[1]}
-              hx={h[0]}
-              hy={h[1]}
-              tailControlled={controlled(tail)}
-              headControlled={controlled(head)}
-              tailPorts={portsOf(b.tail)}
-              headPorts={portsOf(b.head)}
-              shift={same.indexOf(b.key) - (same.length - 1) / 2}
-              drawn={drawn.bonds[b.key] ?? drawn.bonds[`${b.ends[0]} -> ${b.ends[1]}`]}
-              selected={state.bonds.has(b.key)}
-              effort={value && sight.k > 0.6 ? quantity(value.e, value.units[0]) : ""}
-              rate={value && sight.k > 0.6 ? quantity(value.f, value.units[1]) : ""}
-              flow={state.flowing && value ? ((value.e ?? 0) * (value.f ?? 0)) / most : 0}
-            />
-          );
-        })}</g>
+        <g>{look.view.bonds.map((b) => <BondShapeView key={b.key} {...bondProps(b)} />)}</g>
         <g>{look.view.nodes.map((n) => (
           <NodeShape
             key={n.name}
@@ -127,6 +123,14 @@ export function GraphPicture({ state, sight, gesture, moved }: Props) {
             taken={[...sides(at.get(n.name)!, around.get(n.name) ?? [])].sort().join("")}
           />
         ))}</g>
+        {values && sight.k > 0.6 && (
+          <g>{look.view.bonds.map((b) => {
+            const value = values[b.key];
+            return value && (
+              <BondValues key={b.key} {...bondProps(b)} effort={quantity(value.e, value.units[0])} rate={quantity(value.f, value.units[1])} />
+            );
+          })}</g>
+        )}
         {gesture?.kind === "wire" && (
           <Wire from={centreOf(gesture.from, by, at, ports)} to={gesture.now} />
         )}

@@ -121,7 +121,7 @@ function Whole({ store, state }: Props) {
       </label>
       <p class="hint">
         Put elements down from the palette, or press <kbd>a</kbd> and write <code>R load 10 ohm</code>. Drag from the
-        handle of a selected element to bond it, or press <kbd>b</kbd>. Strokes follow each edit.
+        handle of a selected element to bond it, or press <kbd>b</kbd>. Strokes follow each edit. <kbd>/</kbd> finds a name.
       </p>
     </section>
   );

@@ -44,13 +44,14 @@ export function keyed(e: KeyboardEvent, store: Store, canvas: Asked): void {
     const k = list.findIndex((b) => state.bonds.has(b.key));
     const next = list[(k + (e.key === "]" ? 1 : -1) + list.length) % list.length];
     if (next) store.set({ bonds: new Set([next.key]), tab: "item" });
-  } else if (e.key === "Escape") store.set({ nodes: new Set(), bonds: new Set(), bondFrom: null, cursor: null, instant: null, adding: false });
+  } else if (e.key === "Escape") store.set({ nodes: new Set(), bonds: new Set(), bondFrom: null, cursor: null, instant: null, adding: false, finding: false });
   else if (e.key === "Enter" && state.bondFrom && one && one.name !== state.bondFrom) {
     void store.bond(state.bondFrom, one.name);
   } else if (e.key === "Enter" && one) canvas.enter(one.name);
   else if (e.key === "b" && !ctrl && one) store.set({ bondFrom: one.name });
   else if (e.key === "r" && !ctrl && state.bonds.size) store.reverse();
   else if (e.key === "a" && !ctrl) store.set({ adding: true });
+  else if (e.key === "/" && !ctrl) store.set({ finding: true });
   else if (e.key === "f" && !ctrl) canvas.fit();
   else if ((e.key === "+" || e.key === "=") && !ctrl) canvas.zoom(1.25);
   else if (e.key === "-" && !ctrl) canvas.zoom(0.8);

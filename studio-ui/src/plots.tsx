@@ -248,8 +248,9 @@ class Trace extends Component<TraceProps> {
     this.plot = new uPlot(
       {
         width: Math.max(wide - 4, 200),
-        height: last ? 132 : 112,
-        padding: [8, 24, 0, 0],
+        height: last ? 138 : 118,
+        // room above for the value at the cursor, which would cover the curve
+        padding: [14, 24, 0, 0],
         legend: { show: false },
         cursor: { drag: { x: true, y: false }, points: { show: false } },
         scales: { x: { time: false, range: () => span }, y: { range: (_, low, high) => padded(low, high, impulses.length > 0) } },

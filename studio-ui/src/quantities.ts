@@ -29,9 +29,9 @@ export function overTime(unit: string): string {
 }
 
 /** A value with an engineering prefix: 1.2 kV. */
-export function quantity(v: number | null, unit: string): string {
+export function quantity(v: number | null, unit: string, digits = 4): string {
   if (v === null) return "—";
-  if (v === 0 || !/^[A-Za-zΩ]+$/.test(unit) || unit === "kg") return `${number(v)} ${printed(unit)}`.trim();
+  if (v === 0 || !/^[A-Za-zΩ]+$/.test(unit) || unit === "kg") return `${number(v, digits)} ${printed(unit)}`.trim();
   const [factor, prefix] = PREFIXES.find(([f]) => Math.abs(v) >= f * (1 - 1e-9)) ?? PREFIXES[PREFIXES.length - 1];
-  return `${+(v / factor).toPrecision(4)} ${prefix}${unit}`.trim();
+  return `${+(v / factor).toPrecision(digits)} ${prefix}${unit}`.trim();
 }

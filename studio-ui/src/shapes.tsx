@@ -114,8 +114,8 @@ interface BondProps {
   shift: number;
   drawn?: BondStrokes;
   selected: boolean;
-  effort: string;
-  rate: string;
+  effort?: string;
+  rate?: string;
   flow: number;
 }
 
@@ -124,7 +124,9 @@ function beside(shape: BondShape, side: 1 | -1) {
   const [mx, my] = [(shape.tail[0] + shape.head[0]) / 2, (shape.tail[1] + shape.head[1]) / 2];
   const level = Math.abs(shape.head[0] - shape.tail[0]) >= Math.abs(shape.head[1] - shape.tail[1]);
   if (level) return { x: mx, y: my + (side > 0 ? -6 : 17), "text-anchor": "middle" as const };
-  return { x: mx - 9 * side, y: my + 4, "text-anchor": side > 0 ? ("end" as const) : ("start" as const) };
+  // not on one height: of upright bonds side by side the flow of one would run into the effort of the next
+  const low = side * Math.min(7, Math.abs(shape.head[1] - shape.tail[1]) / 5);
+  return { x: mx - 9 * side, y: my + 4 - low, "text-anchor": side > 0 ? ("end" as const) : ("start" as const) };
 }
 
 function changed(a: object, b: object): boolean {
@@ -171,16 +173,29 @@ export class BondShapeView extends Component<BondProps> {
         {s?.conflict && (
           <path class="cross" d={`M${mx - 4.5},${my - 4.5}l9,9m0,-9l-9,9`} />
         )}
-        {p.effort && (
-          <>
-            <text class="value" {...beside(shape, 1)}>
-              {p.effort}
-            </text>
-            <text class="value" {...beside(shape, -1)}>
-              {p.rate}
-            </text>
-          </>
-        )}
+      </g>
+    );
+  }
+}
+
+/** Effort and flow of a bond: above all bonds and nodes, so that nothing is drawn over a number. */
+export class BondValues extends Component<BondProps> {
+  shouldComponentUpdate(next: BondProps): boolean {
+    return changed(next, this.props);
+  }
+
+  render(p: BondProps) {
+    const [a, abox] = joint(p.tail, p.bond.ends[0], p.tailControlled, [p.tx, p.ty], p.tailPorts);
+    const [b, bbox] = joint(p.head, p.bond.ends[1], p.headControlled, [p.hx, p.hy], p.headPorts);
+    const shape = bondShape(abox, bbox, a, b, p.shift * PARALLEL);
+    return (
+      <g data-values={p.bond.key}>
+        <text class="value" {...beside(shape, 1)}>
+          {p.effort}
+        </text>
+        <text class="value" {...beside(shape, -1)}>
+          {p.rate}
+        </text>
       </g>
     );
   }

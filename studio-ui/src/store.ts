@@ -37,6 +37,8 @@ export interface State {
   plotted: string[];
   span: [number, number];
   adding: boolean;
+  /** Whether a name is looked for. */
+  finding: boolean;
   /** How often the graph was laid out anew. */
   arranged: number;
   bottom: boolean;
@@ -77,6 +79,7 @@ const BEGIN: State = {
   plotted: [],
   span: [0, 1],
   adding: false,
+  finding: false,
   arranged: 0,
   bottom: false,
   panel: "",
@@ -97,6 +100,9 @@ function broad(node: GraphNode): number {
   const ports = node.ports ?? [];
   return ports.length ? partFrame(node, ports.map((_, k) => "we"[k % 2]).join("")).half / CELL[0] : 0.3;
 }
+
+/** Signals that are plotted at once; the same number in studio/curves.py. */
+const MOST_PLOTTED = 32;
 
 export class Store {
   state: State = BEGIN;
@@ -200,10 +206,12 @@ export class Store {
   }
 
   show(run: RunSummary): void {
-    const known = this.state.plotted.filter((n) => run.names?.includes(n));
+    // efforts and flows of junctions are no names of the run, and stay what was chosen
+    const nodes = new Set((this.state.look?.view.nodes ?? []).map((n) => n.name));
+    const known = this.state.plotted.some((n) => run.names?.includes(n) || nodes.has(n.replace(/\.[ef]$/, "")));
     this.set({
       run,
-      plotted: known.length ? this.state.plotted : (run.plot ?? []).slice(0, 4),
+      plotted: known ? this.state.plotted : (run.plot ?? []).slice(0, MOST_PLOTTED),
       span: [run.tBegin ?? 0, run.tEnd ?? 1],
       cursor: null,
       instant: null,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -116,3 +117,30 @@ def test_what_a_guard_in_a_part_reads_has_the_path_of_the_part(
     assert (
         "two.inner.u > two.inner.m + 0 [m/s] and abs(two.inner.u) > 0   [two.inner.u = 2]" in said
     )
+
+
+@pytest.mark.parametrize(
+    "words, says, hint",
+    [
+        (["simulate", "spring.toml"], "no verb 'simulate'", "hybond run FILE"),
+        (["plot", "spring.toml"], "no verb 'plot'", "--plot run.png"),
+        (["draw", "spring.toml", "s.png"], "'s.png' is one word more", "--out s.png"),
+        (["run", "spring.toml", "--plot"], "--plot needs a value", "--plot run.png"),
+        (["run", "spring.toml", "--solver", "ode45"], "no solver 'ode45'", "'rk45'"),
+        (["run", "spring.toml", "--solver", "ODE15s"], "no solver 'ODE15s'", "'radau'"),
+    ],
+)
+def test_words_of_other_programs_are_told_what_they_are_here(
+    shell: Any, words: list[str], says: str, hint: str
+) -> None:
+    done = shell(*words)
+    assert done.code == 1 and says in done.err and hint in done.err
+
+
+def test_one_thing_is_no_plural_and_two_sources_are_told_with_their_line(shell: Any) -> None:
+    """Where two sources meet, a check knew the junction and not the line that has it."""
+    text = "hybond = 1\n[elements]\nA = { Se = 1 }\nn = { junction = 0 }\nB = { Se = 2 }\n"
+    shell.file("two.toml", text + '[graph]\nbonds = ["A -> n", "B -> n"]\n')
+    done = shell("check", "two.toml")
+    assert done.code == 2 and "two.toml:4" in done.err and "  1 junction; 2 bonds" in done.out
+    assert shell("check", "two.toml", "--json").json["error"]["line"] == 4

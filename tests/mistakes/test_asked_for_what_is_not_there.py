@@ -6,6 +6,7 @@ import copy
 import pickle
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import hybond as hb
@@ -112,3 +113,46 @@ def test_a_suffix_with_a_slip_is_told_with_the_file_that_is_there(tmp_path: Path
     with pytest.raises(hb.FileError, match="HB-F102") as caught:
         hb.load(tmp_path / "rc.tml")
     assert caught.value.hint == f"did you mean {tmp_path / 'rc.toml'}?"
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        *(("L", "I"), ("Resistor", "R"), ("Capacitor", "C"), ("MSe", "Se"), ("Transformer", "TF")),
+        *(("Junction0", "Zero"), ("OneJunction", "One"), ("J1", "One"), ("linearize", "linearise")),
+    ],
+)
+def test_elements_by_the_names_of_other_programs_are_told_theirs(name: str, meant: str) -> None:
+    with pytest.raises(AttributeError, match=f"no attribute '{name}'; try: did you mean '{meant}'"):
+        getattr(hb, name)
+    assert hasattr(hb, meant)
+
+
+def test_an_element_is_no_signal_and_its_values_are_named() -> None:
+    """Of an element with one letter it was asked whether a unit was meant: coulombs."""
+    m = hb.Model("rc", domain="electrical")
+    m.add(C=hb.C("1 mF", e="10 V"), r=hb.R("1 kohm"), node=hb.Zero())
+    m.bond("node -> C", "node -> r")
+    run = hb.simulate(m, until=1)
+    with pytest.raises(hb.UsageError) as caught:
+        run["C"]
+    assert caught.value.hint == "did you mean 'C.e', 'C.f', 'C.q'?"
+
+
+def test_a_signal_is_an_array_for_numpy_and_no_list() -> None:
+    """An array of it was of no dimension and held the signal itself."""
+    run = hb.simulate(discharge(), until=1)
+    signal = run["c.e"]
+    values = np.asarray(signal)
+    assert values.shape == signal.t.shape and np.array_equal(values, signal.y)
+    # i = 10 V/(1 kohm) exp(-t/1 s)
+    assert np.allclose(values, 10.0 * np.exp(-signal.t), rtol=1e-6)
+    for wrong in (lambda: signal[0], lambda: list(signal)):
+        with pytest.raises(TypeError, match=r"signal.at\(0.1\) at a time"):
+            wrong()
+
+
+def test_a_sweep_is_told_where_its_plan_stands() -> None:
+    with pytest.raises(hb.UsageError, match="HB-S115") as caught:
+        hb.sweep(discharge(), {}, collect="final(c.e)", vary={"r.R": [1.0, 2.0]})
+    assert "comes second" in caught.value.hint

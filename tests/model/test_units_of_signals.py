@@ -213,3 +213,25 @@ def test_what_a_controller_gives_to_a_drive_is_a_torque(law: str, unit: str, bon
     m.signal(err="set - w.f", T="K*err")
     run = hb.simulate(m, 0.1)
     assert (run["T"].unit, run["err"].unit) == (unit, "rad/s")
+
+
+@pytest.mark.parametrize("bonds", [["T -> w -> J"], ["T -> w", "J -> w"]])
+@pytest.mark.parametrize(
+    "rule, said",
+    [
+        ("w.f > 3 V", "'w.f' in rad/s"),
+        ("J.e > 1 A", "'J.e' in N*m"),
+        ("J.f + T.f > 1 V", "in rad/s"),
+    ],
+)
+def test_what_does_not_compare_with_a_turning_is_told_in_its_units(
+    bonds: list[str], rule: str, said: str
+) -> None:
+    """An angular velocity was in 1/s there, a torque in J."""
+    m = hb.Model("shaft", domain="rotational")
+    m.add(T=hb.Se("2 N*m"), w=hb.One(), J=hb.I("0.1 kg*m^2"))
+    m.bond(*bonds)
+    m.machine("m", states={"a": [], "b": []}, start="a", rules=[f"a -> b when {rule}"])
+    with pytest.raises(hb.UnitError, match="HB-U102") as caught:
+        m.flatten()
+    assert said in caught.value.why

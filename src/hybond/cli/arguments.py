@@ -18,7 +18,7 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 from hybond._version import __version__
-from hybond.cli.misfits import in_words, unknown_option
+from hybond.cli.misfits import VERBS_ELSEWHERE, in_words, unknown_option
 from hybond.cli.shared_words import (
     diode_word,
     file_word,
@@ -115,11 +115,12 @@ def parse(argv: list[str]) -> Namespace:
     if not argv:
         raise UsageError("no verb is given", code="HB-X101", where="hybond", hint="hybond --help")
     if not argv[0].startswith("-") and argv[0] not in VERBS:
+        same = VERBS_ELSEWHERE.get(argv[0].lower(), "")
         raise UsageError(
             f"there is no verb {argv[0]!r}",
             code="HB-X101",
             where="hybond",
-            hint=did_you_mean(argv[0], VERBS),
+            hint=f"write hybond {same}" if same else did_you_mean(argv[0], VERBS),
         )
     given, rest = parser.parse_known_args(argv)
     if argv[0] in MANY and not any(word.startswith("-") for word in rest):

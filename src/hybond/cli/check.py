@@ -24,18 +24,22 @@ from hybond.cli.netlists import read_model
 from hybond.cli.record import to_json
 from hybond.cli.refusal import placed
 from hybond.cli.running import read_graph
-from hybond.cli.settings import flatten_with
+from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.engine.outcome.apart import Apart
 from hybond.errors import CausalityError, HybondError, NumericsError, UsageError
 from hybond.hints.look import hints_of
+from hybond.measures.asked import asked_of_experiment
 from hybond.model.builder import Model
 from hybond.model.checked import Checked, Hint
 from hybond.model.graph import FlatGraph, Mode
 from hybond.model.planar_friction import kept_paths
 from hybond.names import plural
 from hybond.one_run import check_run
+from hybond.options import seconds_of
+from hybond.runs.times import time_in
+from hybond.scripts.run import check_script
 
 BONDS = 5000
 """Conflicts ahead are looked for in models of up to this many bonds: in a second or so."""
@@ -69,9 +73,7 @@ def check(given: Namespace) -> int:
     model = read_model(given.file)[0]
     if given.json:
         return _as_data(given, model)
-    graph = flatten_with(model, given.settings)
-    check_experiment(graph)
-    check_run(graph)
+    graph = _sound(given, model)
     say(graph.title or graph.name)
     _counts(graph)
     _machines(graph)
@@ -102,12 +104,25 @@ def check(given: Namespace) -> int:
     for hint in hints:
         say(str(hint))
     for conflict in conflicts:
-        complain(str(conflict_error(graph, start, conflict)))
+        complain(str(placed(conflict_error(graph, start, conflict), given)))
     if not conflicts:
         counts = [(warnings, "warning"), (len(hints), "hint")]
         words = [f"{n} {word}{'s' * (n > 1)}" for n, word in counts if n]
         say(f"fine, with {' and '.join(words)}" if words else "fine")
     return 2 if conflicts else 0
+
+
+def _sound(given: Namespace, model: Model) -> FlatGraph:
+    """Return the flat graph; refuse what a run, a script or a measurement of it would refuse."""
+    changed, parameters = changed_with(model, given.settings)
+    graph = changed.flatten(parameters=parameters)
+    check_experiment(graph)
+    check_run(graph)
+    check_script(changed, graph, parameters)
+    until = time_in(graph.experiment.get("until"))
+    if not graph.experiment.get("script"):
+        asked_of_experiment(graph, seconds_of(until, "until"))
+    return graph
 
 
 def _as_data(given: Namespace, model: Model) -> int:
@@ -116,13 +131,12 @@ def _as_data(given: Namespace, model: Model) -> int:
     hints: tuple[Hint, ...] = ()
     warnings: list[str] = []
     try:
-        graph = flatten_with(model, given.settings)
-        check_experiment(graph)
-        check_run(graph)
+        graph = _sound(given, model)
         hints = hints_of(model, graph)
         warnings = list(graph.warnings)
         conflicts = () if _has_laws(graph) else _conflicts(graph)
         found = next(iter(conflicts), None)
+        found = found and placed(found, given)
     except HybondError as error:
         found = placed(error, given)
     said = Checked(model.title or model.name, found, hints).to_data()
@@ -159,9 +173,12 @@ def _counts(graph: FlatGraph) -> None:
     junctions = sum(n.is_junction for n in shown)
     kinds = Counter(n.kind for n in shown if not n.is_junction)
     by_kind = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-    say(f"  {len(shown) - junctions} elements ({by_kind or 'none'})")
+    elements = len(shown) - junctions
+    say(f"  {elements} {plural('element', elements)} ({by_kind or 'none'})")
     controlled = sum(n.is_junction and n.controlled for n in shown)
-    say(f"  {junctions} junctions, {controlled} of them controlled; {bonds} bonds")
+    of_them = f"{controlled} of them controlled" if junctions != 1 else "controlled"
+    told = f", {of_them}" if junctions != 1 or controlled else ""
+    say(f"  {junctions} {plural('junction', junctions)}{told}; {bonds} {plural('bond', bonds)}")
     kept = kept_paths(graph)
     integrated = sum(i.path not in kept for i in graph.integrals)
     integrals = f" and {integrated} integral{'s' * (integrated > 1)}" if integrated else ""

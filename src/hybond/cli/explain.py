@@ -7,8 +7,7 @@ from argparse import Namespace
 from collections.abc import Iterator
 
 from hybond.cli.lists import run_until
-from hybond.cli.run import ending
-from hybond.cli.running import exit_code, read_graph, simulate_with
+from hybond.cli.running import ending, exit_code, read_graph, simulate_with
 from hybond.cli.streams import complain, say
 from hybond.errors import HybondError
 from hybond.model.dimensions import infer_dimension

@@ -12,14 +12,13 @@ from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import in_words_of, read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.record import VERSION, to_json
-from hybond.cli.running import exit_code, simulate_with
+from hybond.cli.running import ending, exit_code, simulate_with
 from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
 from hybond.errors import HybondError, UsageError
 from hybond.measures.asked import Asked, asked_of_experiment, read_measure
 from hybond.measures.losses import Losses
-from hybond.measures.naming import read_name
 from hybond.model.graph import FlatGraph
 from hybond.result import Result
 
@@ -73,6 +72,8 @@ def measure(given: Namespace) -> int:
         sys.stdout.write(text)
     else:
         say(run.title)
+        if run.status != "ok":
+            say(ending(run))
         say()
         problems = [*print_measures(run, asked), *(p for p in problems if p.where == "losses")]
         if table is not None:
@@ -100,7 +101,12 @@ def wanted(graph: FlatGraph, texts: Sequence[str]) -> list[Asked]:
         return asked_of_experiment(graph)
     found = [read_measure(text, where="hybond measure") for text in texts]
     for one in found:
-        read_name(graph, one.signal)
+        try:
+            one.check(graph)
+        except UsageError as error:
+            if error.code == "HB-R101":  # there may be several: it is told which
+                error.where = one.text
+            raise
     return found
 
 

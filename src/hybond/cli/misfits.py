@@ -29,6 +29,37 @@ _ELSEWHERE = {
 """What options of other programs, and of other verbs, are named here."""
 
 
+_SUCH = {
+    "--plot": "run.png",
+    "--until": "1s",
+    "--at": "0.1,0.2",
+    "--set": "m=2kg",
+    "--signals": "ball.f,height",
+    "--vary": "m=1..2kg:11",
+    "--solver": "radau",
+}
+"""Options that are met first, each with a value."""
+
+VERBS_ELSEWHERE = {
+    **dict.fromkeys(("simulate", "sim", "start", "execute"), "run FILE"),
+    **dict.fromkeys(("plot", "graph"), "run FILE --plot run.png"),
+    **dict.fromkeys(("view", "render", "picture", "show"), "draw FILE"),
+    **dict.fromkeys(("open", "edit", "gui", "editor"), "studio FILE"),
+    **dict.fromkeys(("validate", "lint", "test", "verify"), "check FILE"),
+    **dict.fromkeys(("init", "create"), "new FILE"),
+    **dict.fromkeys(("events", "why"), "explain FILE"),
+    **dict.fromkeys(("linearize", "bode", "poles", "eigenvalues"), "linearise FILE"),
+    **dict.fromkeys(("analyze", "analysis", "structure"), "analyse FILE"),
+    **dict.fromkeys(("import", "spice"), "convert circuit.cir circuit.toml"),
+    **dict.fromkeys(("parts", "components"), "library"),
+    **dict.fromkeys(("losses", "energy"), "measure FILE --losses"),
+    **dict.fromkeys(("optimise", "optimize", "estimate"), "fit FILE DATA --free PATH"),
+    **dict.fromkeys(("example", "examples"), "demo"),
+}
+"""What verbs of other programs are here."""
+_FILES = re.compile(r"[^=]+\.(svg|png|pdf|tex|jpg|csv|npz|json|toml|xlsx|c|java|fmu|mo|py)\Z")
+
+
 def in_words(message: str, parser: ArgumentParser) -> tuple[str, str]:
     """Return the reason and the remedy of what the parser of options says.
 
@@ -47,7 +78,9 @@ def in_words(message: str, parser: ArgumentParser) -> tuple[str, str]:
         such = example[1].strip() if len(example) > 1 else help
         return f"{match['names']} is missing", f"{such}; {help}"
     if match := _NO_VALUE.match(message):
-        return f"{match['option']} needs a value", help
+        option = match["option"].partition("/")[0]
+        such = f"write {option} {_SUCH[option]}; " if option in _SUCH else ""
+        return f"{match['option']} needs a value", f"{such}{help}"
     if match := _TWO.match(message):
         return f"{match['one']} is not allowed with {match['other']}", f"leave one out; {help}"
     return message, help
@@ -62,6 +95,8 @@ def unknown_option(parser: ArgumentParser, verb: str, rest: Sequence[str]) -> Us
     if own is None or not word.startswith("-"):
         why = f"{word!r} is one word more than {verb} takes"
         hint = f"put a value with spaces in quotes; {help}"
+        if own is not None and "--out" in own._option_string_actions and _FILES.match(word):
+            hint = f"write --out {word} for the file that is to be made; {help}"
         return UsageError(why, code="HB-X101", where=f"hybond {verb}", hint=hint)
     name = word.split("=", 1)[0]
     there = own._option_string_actions

@@ -19,7 +19,7 @@ from hybond.cli.netlists import (
 )
 from hybond.cli.outputs import PICTURES, TABLES, write_all
 from hybond.cli.record import run_record, sampled, to_json, units_of
-from hybond.cli.running import exit_code, script_with, simulate_with
+from hybond.cli.running import ending, exit_code, script_with, simulate_with
 from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -134,27 +134,15 @@ def _events(run: Result) -> None:
     say(str(EventTable(run.graph, events[-LAST:])))
 
 
-def ending(run: Result) -> str:
-    """Return when and how a run ended, in one line."""
-    end = format_quantity(run.until, "s")
-    seen = [f" from {v.t:.9g} s on" for v in sorted(run.trace.unsound, key=lambda v: v.t)]
-    how = {
-        "ok": "the end",
-        "unsound": f"laws do not hold{''.join(seen[:1])}, of {end}",
-        "interrupted": f"interrupted, of {end}",
-        "accumulation": f"stopped where events accumulate, of {end}",
-        "error": f"stopped by an error, of {end}",
-    }[run.status]
-    if run.trace.ended_by:
-        how = f"{run.trace.ended_by} holds"
-    mode = ", ".join(run.mode.values()) or "the only mode"
-    return f"t = {run.t_end:.9g} s  {how}  ({mode})"
-
-
 def stats_line(run: Result) -> str:
     """Return how much work a run was, in one line."""
     count = {k: int(v) for k, v in run.stats.items() if float(v).is_integer()}
-    words = [f"{count[k]} {k}" for k in ("steps", "rejected", "evaluations") if k in count]
+    kinds = {"steps": "step", "rejected": "", "evaluations": "evaluation"}
+    words = [
+        f"{count[k]} {plural(one, count[k]) if one else k}"
+        for k, one in kinds.items()
+        if k in count
+    ]
     if "modes" in count:
         # those that were only tried at an instant count as well
         words.append(f"equations of {count['modes']} {plural('mode', count['modes'])}")

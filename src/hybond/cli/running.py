@@ -21,6 +21,7 @@ from hybond.runs.times import end_of, is_condition, time_in
 from hybond.scripts.result import ScriptResult
 from hybond.scripts.run import run_script
 from hybond.simulation import simulate
+from hybond.units import format_quantity
 
 
 def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
@@ -101,6 +102,23 @@ def script_with(model: Model, given: Namespace) -> ScriptResult:
             on_error="return",
             **options_given(given, "start", "fmus"),
         )
+
+
+def ending(run: Result) -> str:
+    """Return when and how a run ended, in one line."""
+    end = format_quantity(run.until, "s")
+    seen = [f" from {v.t:.9g} s on" for v in sorted(run.trace.unsound, key=lambda v: v.t)]
+    how = {
+        "ok": "the end",
+        "unsound": f"laws do not hold{''.join(seen[:1])}, of {end}",
+        "interrupted": f"interrupted, of {end}",
+        "accumulation": f"stopped where events accumulate, of {end}",
+        "error": f"stopped by an error, of {end}",
+    }[run.status]
+    if run.trace.ended_by:
+        how = f"{run.trace.ended_by} holds"
+    mode = ", ".join(run.mode.values()) or "the only mode"
+    return f"t = {run.t_end:.9g} s  {how}  ({mode})"
 
 
 def exit_code(run: Result) -> int:

@@ -1,17 +1,22 @@
 """Write a scene as one self-contained SVG text.
 
 Each mark carries its role as class names (``bond``, ``barb``, ``stroke dynamic``, ``node
-junction controlled off``); the style sheet inside is scoped to the drawing and follows the
-reader's light or dark theme.
+junction controlled off``); the style sheet inside is scoped to drawings with the same words and
+follows the reader's light or dark theme. Of several drawings in one page, as in a notebook, a later
+sheet would win over an earlier one: it says how a stroke looks, and not what a derivative one has.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
 from html import escape
+from zlib import crc32
 
 from hybond.draw.scene import Band, Frame, Line, Mark, Scene, printable
 from hybond.draw.style import FONT, PAPER, STYLES, Style
+
+KIND = "hybond-graph"
+"""The class of all drawings."""
 
 
 def write_svg(scene: Scene) -> str:
@@ -28,7 +33,7 @@ def write_svg(scene: Scene) -> str:
     width, height = _number(scene.width), _number(scene.height)
     label = _text(scene.title or "bond graph")
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" class="hybond-graph" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="{KIND} {scope_of(words)}" role="img" '
         f'width="{width}" height="{height}" viewBox="0 0 {width} {height}" aria-label="{label}">',
         f"<title>{label}</title>",
         f"<style>{style_sheet(words)}</style>",
@@ -45,36 +50,42 @@ def write_svg(scene: Scene) -> str:
     return "\n".join(parts) + "\n"
 
 
+def scope_of(words: Collection[str]) -> str:
+    """Return the class of drawings that have these words, and so the same style sheet."""
+    return f"hybond-{crc32(' '.join(sorted(words)).encode()):08x}"
+
+
 def style_sheet(words: Collection[str]) -> str:
-    """Return the CSS of some words of roles, scoped to drawings of hybond."""
+    """Return the CSS of some words of roles, scoped to the drawings that have just these."""
+    scope = scope_of(words)
     rules = [
         # Within a medium, because simple converters take the height literally.
-        "@media screen{.hybond-graph{max-width:100%;height:auto}}",
-        f".hybond-graph{{font-family:{FONT}}}",
-        f".hybond-graph .paper{{fill:{PAPER[0]}}}",
-        ".hybond-graph path,.hybond-graph rect{fill:none}",
-        ".hybond-graph path{stroke-linecap:butt}",
-        ".hybond-graph .bond,.hybond-graph .barb,.hybond-graph .cross,"
-        ".hybond-graph .region,.hybond-graph .emphasis{stroke-linecap:round}",
+        f"@media screen{{.{scope}{{max-width:100%;height:auto}}}}",
+        f".{scope}{{font-family:{FONT}}}",
+        f".{scope} .paper{{fill:{PAPER[0]}}}",
+        f".{scope} path,.{scope} rect{{fill:none}}",
+        f".{scope} path{{stroke-linecap:butt}}",
+        f".{scope} .bond,.{scope} .barb,.{scope} .cross,"
+        f".{scope} .region,.{scope} .emphasis{{stroke-linecap:round}}",
     ]
-    dark = [f".hybond-graph .paper{{fill:{PAPER[1]}}}"]
+    dark = [f".{scope} .paper{{fill:{PAPER[1]}}}"]
     for word, style in STYLES.items():
         if word not in words:
             continue
         plain = _declarations(style)
         if plain:
-            rules.append(f".hybond-graph .{word}{{{plain}}}")
+            rules.append(f".{scope} .{word}{{{plain}}}")
         if style.ink is None:
             continue
         # A word's colour is the stroke of its lines and the fill of its texts.
         for sheet, ink in zip((rules, dark), style.ink, strict=True):
             if style.size is None or style.width is not None:
-                lines = f".hybond-graph path.{word},.hybond-graph rect.{word}"
+                lines = f".{scope} path.{word},.{scope} rect.{word}"
                 sheet.append(f"{lines}{{stroke:{ink}}}")
-            sheet.append(f".hybond-graph text.{word}{{fill:{ink}}}")
+            sheet.append(f".{scope} text.{word}{{fill:{ink}}}")
         for sheet, fill in zip((rules, dark), style.fill or (), strict=False):
             shape = "path" if word == "filled" else "rect"
-            sheet.append(f".hybond-graph {shape}.{word}{{fill:{fill}}}")
+            sheet.append(f".{scope} {shape}.{word}{{fill:{fill}}}")
     return "\n".join(rules) + "\n@media (prefers-color-scheme:dark){\n" + "\n".join(dark) + "\n}"
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hybond._version import __version__
 from hybond.export.c_parameters import held, places, putting, setting
-from hybond.export.program import NAMES, SET, Exported, exported, printed_before
+from hybond.export.program import NAMES, SET, Exported, exported, maker_of
 from hybond.export.story import story, title_of
 from hybond.model.builder import Model
 from hybond.translate.c_printer import CPrinter, c_number, c_table, c_text
@@ -68,7 +68,8 @@ def c_file(model: Model, found: Exported, tail: str) -> str:
     printer = CPrinter(
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
-    printer.known = printed_before("c")
+    maker = maker_of("c")
+    printer.known, printer.opened = maker.texts, maker.specialist.opened
     printer.kept = SET
     beside = held(found)
     written = found.parameters.tables
@@ -114,6 +115,7 @@ def c_file(model: Model, found: Exported, tail: str) -> str:
     put = putting(printer, found.parameters, members)
     lines += ["", "/* What follows from the parameters. */", *put] if put else []
     lines += ["", *tail.rstrip("\n").split("\n")]
+    maker.keep()
     return "\n".join(lines) + "\n"
 
 

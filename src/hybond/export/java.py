@@ -9,7 +9,7 @@ from hybond._version import __version__
 from hybond.errors import UsageError
 from hybond.export.identifiers import identifier
 from hybond.export.java_parameters import declared, putting, setting
-from hybond.export.program import NAMES, SET, Exported, exported, printed_before, runtime
+from hybond.export.program import NAMES, SET, Exported, exported, maker_of, runtime
 from hybond.export.story import story, title_of
 from hybond.model.builder import Model
 from hybond.translate.java_printer import JavaPrinter, ascii_only, java_number, java_text
@@ -55,12 +55,13 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     """
     name = name or class_name(model.name or model.title or "model")
     _check_name(name)
-    found = exported(model, options=options)
+    found = exported(model, language="java", options=options)
     graph = found.graph
     printer = JavaPrinter(
         found.runs.program, found.roots, effects=found.runs.effects, uses=found.runs.uses
     )
-    printer.known = printed_before("java")
+    maker = maker_of("java")
+    printer.known, printer.opened = maker.texts, maker.specialist.opened
     printer.kept = SET
     printer.given = {
         **{f: _names(printer, found, f) for f in NAMES},
@@ -99,6 +100,7 @@ def to_java(model: Model, *, name: str = "", **options: object) -> str:
     known = setting(found.parameters)
     inside += ["", *known] if known else []
     lines += [ascii_only(f"    {line}".rstrip()) for line in inside]
+    maker.keep()
     return "\n".join([*lines, "}"]) + "\n"
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from hybond.engine.compiled.sources import ENGINE, portable_paths
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.calls import refuse_calls
 from hybond.engine.tables.slotted import slotted_tables
+from hybond.export import kept
 from hybond.export.formulas import ARRAY, PRIOR, Formulas
 from hybond.export.identifiers import distinct, slot_name, spoken
 from hybond.export.parameters import Names, Parameters
@@ -20,8 +21,8 @@ from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
 from hybond.translate.effects import Effects, effects_of
 from hybond.translate.modules import Program, load, text_of
-from hybond.translate.reach import Uses
-from hybond.translate.specialise import Specialist, deciding
+from hybond.translate.reach import Uses, uses_of
+from hybond.translate.specialise import Facts, Specialist, deciding
 from hybond.translate.tree import Block, Expr
 from hybond.uncollected import uncollected
 
@@ -62,28 +63,83 @@ OWN = (
 
 @lru_cache(maxsize=1)
 @uncollected
-def runtime() -> Program:
+def _whole() -> kept.Read:
+    """Return the runtime: as it was read before, or read and checked and kept."""
+    found = kept.runtime_kept()
+    if found is None:
+        program = _read()
+        effects = effects_of(program, (*ROOTS, *DRIVEN))
+        found = kept.Read(program, effects, uses_of(program), deciding(program))
+        kept.keep_runtime(found)
+    return found
+
+
+def _read() -> Program:
     """Return the runtime, read and checked: what logs is replaced by what prints."""
     run = ENGINE / "run"
     roots = [run / "run.py", run / "unit.py", ENGINE / "expressions" / "lookup.py"]
     return load(roots, portable_paths(), lambda path: text_of(path).replace(*LOG_OR_REPORT))
 
 
-@lru_cache(maxsize=1)
-@uncollected
-def specialist() -> Specialist:
-    """Return what makes the runtime of one model."""
-    program = runtime()
-    return Specialist(program, effects_of(program, (*ROOTS, *DRIVEN)))
+def runtime() -> Program:
+    """Return the runtime; where it was read before, its functions have no bodies."""
+    return _whole().program
+
+
+@dataclass
+class Maker:
+    """What makes the runtime of one model in a language, and keeps what it printed.
+
+    Parameters
+    ----------
+    language : str
+        ``c`` or ``java``.
+    """
+
+    language: str
+    specialist: Specialist = field(init=False)
+    texts: dict[int, list[str]] = field(default_factory=dict)
+    """Definitions that were printed, by the identity of the function."""
+    _before: kept.Printed = field(init=False)
+
+    def __post_init__(self) -> None:
+        found, self._before = _whole(), kept.printed_kept(self.language)
+        self.specialist = Specialist(
+            found.program,
+            found.effects,
+            uses=found.uses,
+            bodies=found.bodies,
+            known=self._before.uses,
+        )
+
+    def program_for(self, facts: Facts) -> Runtime:
+        """Return the runtime where facts hold."""
+        program, uses = self.specialist.program_for(facts)
+        for made, f in self.specialist.made.items():
+            if id(f) not in self.texts and made in self._before.texts:
+                self.texts[id(f)] = self._before.texts[made].split("\n")
+        return Runtime(program, self.specialist.effects, uses)
+
+    def keep(self) -> None:
+        """Keep what was printed, if some of it is new."""
+        own, before = self.specialist, self._before
+        uses = {made: own.made_uses[id(f)] for made, f in own.made.items()}
+        texts = {
+            made: "\n".join(self.texts[id(f)])
+            for made, f in own.made.items()
+            if id(f) in self.texts and made not in before.texts
+        }
+        if texts or not uses.keys() <= before.uses.keys():
+            before.uses.update(uses)
+            before.texts.update(texts)
+            kept.keep_printed(self.language, before)
 
 
 @lru_cache(maxsize=2)
-def printed_before(language: str) -> dict[int, list[str]]:
-    """Return the definitions that were printed in a language, by the identity of the function.
-
-    The functions themselves are kept by `specialist`.
-    """
-    return {}
+@uncollected
+def maker_of(language: str) -> Maker:
+    """Return what makes runtimes in a language."""
+    return Maker(language)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +149,6 @@ class Runtime:
     program: Program
     effects: Effects
     uses: Mapping[str, Uses]
-
-
-@lru_cache(maxsize=1)
-def _deciding() -> frozenset[tuple[str, str]]:
-    return deciding(runtime())
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,6 +193,7 @@ class Exported:
 def exported(
     model: Model,
     *,
+    language: str = "c",
     roots: tuple[str, ...] = ROOTS,
     options: Mapping[str, object],
     prepared: Callable[[FlatGraph], FlatGraph] = lambda graph: graph,
@@ -156,8 +208,8 @@ def exported(
     names = Names(found)
     all_values = [names.lifted(tree) for tree in tables.values.all]
     all_pairs = [names.lifted(tree) for tree in tables.pairs]
-    program, uses = specialist().program_for(_facts(tables))
-    runs = Runtime(program, specialist().effects, uses)
+    runs = maker_of(language).program_for(_facts(tables))
+    program = runs.program
     index = tables.slots.index
     spoken_names = {name: spoken(graph, name) for name in index}
     taken = {PRIOR, *program.constants, *program.functions, *program.records, *OWN}
@@ -193,7 +245,7 @@ def _facts(tables: ModelTables) -> dict[tuple[str, str], int]:
         if member.type.kind == "int" and number == 0 and member.name not in OPTIONS:
             known[member.name] = 0
     named = {("Model", name): number for name, number in known.items()}
-    return {place: number for place, number in named.items() if place in _deciding()}
+    return {place: number for place, number in named.items() if place in _whole().deciding}
 
 
 def _pair_text(tables: ModelTables, k: int) -> str:

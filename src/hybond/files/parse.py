@@ -73,6 +73,11 @@ def format_of(path: Path) -> Format:
                 hint = f"did you mean {path.with_suffix(ending)}?"
     if suffix in CIRCUITS + BOND_GRAPHS:
         hint = f"make a model of it first: hybond convert {path.name} {path.stem}.toml"
+    if suffix in (".py", ".ipynb"):
+        hint = (
+            "what is Python is not run by opening it: run it yourself, and let it end with "
+            f'hb.save(model, "{path.stem}.toml"); model.check() says in it what hybond check says'
+        )
     raise FileError(
         f"{suffix!r} is not a kind of model file" if suffix else "the file name has no suffix",
         code="HB-F102",

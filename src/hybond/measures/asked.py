@@ -14,6 +14,7 @@ from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from hybond.errors import HybondError, ModelError, UsageError
+from hybond.measures.foreseen import check_options, check_within
 from hybond.measures.naming import read_name
 from hybond.measures.value import About, Measurement
 from hybond.measures.window import time_of, window_of
@@ -161,6 +162,17 @@ class Asked:
         make = FUNCTIONS[self.function][0]
         return make(run[self.signal], dict(self.options))
 
+    def check(self, graph: FlatGraph) -> None:
+        """Refuse what no run of a model could be asked for.
+
+        Raises
+        ------
+        UsageError
+            HB-S109 for a signal that is not there, HB-R101 for a time, period or level that is
+            none.
+        """
+        check_options(self.options, read_name(graph, self.signal), graph, self.signal)
+
 
 def read_measure(text: str, *, where: str = "measure") -> Asked:
     """Return what a text asks for.
@@ -289,8 +301,13 @@ def split_arguments(text: str) -> list[str] | None:
     return [*words, word.strip()] if word.strip() or words else []
 
 
-def asked_of_experiment(graph: FlatGraph) -> list[Asked]:
-    """Return what ``[experiment] measure`` asks for, its names looked up.
+def asked_of_experiment(graph: FlatGraph, until: float | None = None) -> list[Asked]:
+    """Return what ``[experiment] measure`` asks for, its names, times and levels looked at.
+
+    Parameters
+    ----------
+    until : float, optional
+        When the run ends, s, if that is known: no window goes beyond.
 
     Raises
     ------
@@ -301,7 +318,9 @@ def asked_of_experiment(graph: FlatGraph) -> list[Asked]:
     for k, text in enumerate(graph.experiment.get("measure", ())):
         try:
             asked = read_measure(text, where=f"experiment.measure[{k}]")
-            read_name(graph, asked.signal)
+            asked.check(graph)
+            if until is not None:
+                check_within(asked.options, until)
         except HybondError as error:
             where = f"experiment.measure[{k}]"
             refusal = ModelError(error.why, code=error.code, where=where, hint=error.hint)

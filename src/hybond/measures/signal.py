@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.errors import UsageError
 from hybond.measures.value import About, Measurement
 from hybond.measures.window import TOLERANCE, Time, Window, frequency_of, window_of
 from hybond.names import Asked
 from hybond.records import dataclass
-from hybond.units import parse_unit, try_quantity
 
 if TYPE_CHECKING:
     from hybond.measures.averages import Impulses
@@ -471,23 +469,22 @@ class Signal(Asked):
         return 0.5 * (low + high)
 
     def _level(self, value: float | str) -> float:
-        if not isinstance(value, str):
-            return float(value)
-        found = try_quantity(value)
-        fits = found is not None and (
-            not self.unit or found.dimension in (parse_unit(self.unit)[1], parse_unit("1")[1])
-        )
-        if found is None or not fits:
-            raise UsageError(
-                f"{value!r} is not a value of {self.name}",
-                code="HB-R101",
-                where="level",
-                hint=f"a number in SI, or in {self.unit}" if self.unit else "a number in SI",
-            )
-        return float(found.value)
+        from hybond.measures.foreseen import level_of
+
+        return level_of(value, self.unit, self.name)
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+        """Return the values, for NumPy and what plots with it."""
+        return np.array(self.y, dtype=dtype) if copy else np.asarray(self.y, dtype=dtype)
+
+    def __getitem__(self, k: object) -> Any:
+        raise TypeError(
+            f"a Signal has no [{k!r}]: a number may be a point or a time; try: signal.y[{k!r}] of "
+            "the points at signal.t; signal.at(0.1) at a time"
+        )
 
     def __repr__(self) -> str:
         return f"<Signal {self.name} [{self.unit}], {len(self.t)} points>"

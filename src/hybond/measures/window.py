@@ -97,7 +97,7 @@ def window_of(
     if period is not None:
         if start is not None and end is not None:
             raise _refused("start, end and period", "period", "leave one of them out")
-        many = _count(1 if periods is None else periods)
+        many = count_of(1 if periods is None else periods)
         length = many * duration_of(period)
         if start is None:
             begin = finish - length
@@ -176,7 +176,8 @@ def frequency_of(value: object) -> float:
     raise _refused(f"{value!r} is not a frequency", "f", "write 50, '50 Hz' or '20 ms'")
 
 
-def _count(value: object) -> int:
+def count_of(value: object) -> int:
+    """Return a number of periods."""
     number = _number(value)
     if number is None or not number.is_integer() or not 1 <= number <= PERIODS:
         raise _refused(f"periods = {value!r}", "periods", "a whole number, one or more")

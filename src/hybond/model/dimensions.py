@@ -164,11 +164,17 @@ def instead_of(name: str, known: list[str]) -> str:
     --------
     >>> instead_of("m", ["T"]), instead_of("t", ["T", "time"])
     ("known names: T; if 'm' is a unit, it stands in brackets: 2 [N*m]", 'the time is named time')
+    >>> instead_of("C", ["C.e", "C.q", "T"])
+    "did you mean 'C.e', 'C.q'?"
     """
     if name == "t" and "time" in known:
         return "the time is named time"
     if name in TIMERS:
         return TIMERS[name]
+    own = sorted(k for k in known if k.startswith(f"{name}."))
+    if own and "." not in name:
+        # an element, which is no value: one of its values is meant
+        return f"did you mean {', '.join(map(repr, own[:3]))}?"
     hint = did_you_mean(name, known)
     try:
         parse_unit(name)

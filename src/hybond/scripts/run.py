@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from pathlib import Path
@@ -30,10 +31,13 @@ from hybond.runs.states import State, load_state
 from hybond.runs.times import time_in
 from hybond.runs.trace import Trace
 from hybond.scripts.result import Done, Part, ScriptResult
-from hybond.scripts.steps import Step, conditions_of, latest_end, steps_of, unrolled
+from hybond.scripts.steps import Step, conditions_of, latest_end, places_of, steps_of, unrolled
 
 STARTS = ("start", "p", "q", "e", "f")
 """How paths end that say where a model begins."""
+SCRIPT = "experiment.script"
+"""Where a model has a script."""
+_STEP = re.compile(r"steps\[(\d+)\](.*)\Z", re.DOTALL)
 
 
 @called('hb.run_script(model, steps=[hb.Step(until="1 s")])', options=RunOptions)
@@ -108,7 +112,10 @@ def run_script(
             where="model",
             hint="give the hybond.Model that it was made of",
         )
-    script = steps_of(base.experiment.get("script") if steps is None else steps)
+    listed = base.experiment.get("script") if steps is None else None
+    script = steps_of(steps) if listed is None else steps_of(listed, SCRIPT)
+    if listed is not None:
+        check_script(model, base, parameters)
     todo = list(unrolled(script))
     own = {**base.experiment, "until": time_in(base.experiment.get("until"))}
     bound = seconds_of(limit if limit is not None else own["until"], "limit")
@@ -140,6 +147,50 @@ def run_script(
         rig.parts[0].trace.warn(text)
     result = ScriptResult(base, rig.parts, rig.done, status, latest, settings.solver, failure)
     return handed_over(result, on_error)
+
+
+def check_script(
+    model: Model, graph: FlatGraph, parameters: Mapping[str, Value] | None = None
+) -> None:
+    """Refuse a script of the experiment that `run_script` would refuse, with the line of the step.
+
+    Parameters
+    ----------
+    model : Model
+    graph : FlatGraph
+        Of the model.
+    parameters : mapping, optional
+        Values that replace the model's own, in `graph` too.
+
+    Raises
+    ------
+    UsageError
+        HB-S132, HB-S140, HB-S141.
+    """
+    listed = graph.experiment.get("script")
+    if not listed:
+        return
+    try:
+        todo = list(unrolled(steps_of(listed, SCRIPT)))
+        bound = seconds_of(time_in(graph.experiment.get("until")), "limit")
+        _latest(todo, bound, None)
+        writes = _Writing(model, graph, parameters or {}, todo)
+        for k, step in enumerate(todo):
+            if step.set:
+                writes.graph(k, step)
+    except UsageError as error:
+        raise of_script(error, graph, listed) from None
+
+
+def of_script(error: UsageError, graph: FlatGraph, listed: Sequence[Any]) -> UsageError:
+    """Return a refusal of a step that says where the experiment has it."""
+    match = _STEP.match(error.where)
+    if match is not None:
+        places = list(places_of(steps_of(listed), SCRIPT))
+        error.where = places[int(match[1])] + match[2]
+    if graph.locate is not None and error.where.startswith(SCRIPT):
+        graph.locate(error)
+    return error
 
 
 @dataclass(frozen=True, slots=True)

@@ -141,6 +141,21 @@ def unrolled(steps: Sequence[Step]) -> Iterator[Step]:
                 yield inner
 
 
+def places_of(steps: Sequence[Step], where: str) -> Iterator[str]:
+    """Yield where the steps stand that `unrolled` yields.
+
+    Examples
+    --------
+    >>> on, off = Step(lasts=1, label="on"), Step(lasts=2, label="off")
+    >>> list(places_of([Step(repeat=2, steps=(on, off)), on], "script"))[2:]
+    ['script[0].steps[0]', 'script[0].steps[1]', 'script[1]']
+    """
+    for k, step in enumerate(steps):
+        place = f"{where}[{k}]"
+        for _ in range(step.repeat):
+            yield from places_of(step.steps, f"{place}.steps") if step.steps else (place,)
+
+
 def _many(steps: Sequence[Step]) -> int:
     return sum(s.repeat * (_many(s.steps) if s.steps else 1) for s in steps)
 

@@ -24,6 +24,8 @@ Vector = NDArray[np.float64]
 
 WIDEST = 4000
 """Most pixels of a plot."""
+MOST_PLOTTED = 32
+"""Signals that are plotted at once."""
 STAYS = 400
 """Stays in states up to which each is told; beyond, how much of each pixel is spent where."""
 PIXELS = 900

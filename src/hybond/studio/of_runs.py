@@ -10,7 +10,7 @@ from hybond.errors import HybondError, UsageError
 from hybond.report import fired_text, joule
 from hybond.result import Result, Side
 from hybond.runs.trace import Event, Visit
-from hybond.studio.curves import at_cursor, curve, numbers, phase, strip, units_of
+from hybond.studio.curves import MOST_PLOTTED, at_cursor, curve, numbers, phase, strip, units_of
 from hybond.studio.strokes import Meaning, first_member, mode_of, strokes
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def curves_of(session: Session, message: Mapping[str, Any]) -> Message:
     t0, t1 = float(message.get("t0", 0.0)), float(message.get("t1", run.t_end))
     width = int(message.get("width", 800))
     found = []
-    for name in [str(n) for n in message.get("names", ())][:32]:
+    for name in [str(n) for n in message.get("names", ())][:MOST_PLOTTED]:
         try:
             found.append(curve(run, name, t0, t1, width))
         except HybondError as error:
@@ -139,7 +139,7 @@ def cursor(session: Session, message: Mapping[str, Any]) -> Message:
     states = message.get("mode") if isinstance(message.get("mode"), dict) else found["mode"]
     drawn = strokes(known, mode_of(known, states), path)
     signals = {}
-    for name in [str(n) for n in message.get("names") or ()][:32]:
+    for name in [str(n) for n in message.get("names") or ()][:MOST_PLOTTED]:
         with contextlib.suppress(HybondError):
             (signals[name],) = numbers([float(run[name].at(found["t"], side=side))])
     return {

@@ -17,7 +17,7 @@ from hybond.options import OPTIONS as KNOWN
 from hybond.result import Result
 from hybond.runs.ends import Until
 from hybond.simulation import simulate
-from hybond.studio.curves import curve, strip
+from hybond.studio.curves import MOST_PLOTTED, curve, strip
 
 KEPT = 5
 """Finished runs that stay for comparison."""
@@ -140,7 +140,7 @@ class Runs:
             title = title or model.title or model.name
             running = Running(
                 *(self._count, title, until, revision),
-                wanted=tuple(wanted[:8]),
+                wanted=tuple(wanted[:MOST_PLOTTED]),
                 wide=wide,
                 parameters=dict(parameters or {}),
             )

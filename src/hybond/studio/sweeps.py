@@ -15,7 +15,7 @@ from hybond.errors import HybondError, UnitError, UsageError
 from hybond.model.builder import Model
 from hybond.result import Result
 from hybond.simulation import simulate
-from hybond.studio.curves import curve
+from hybond.studio.curves import MOST_PLOTTED, curve
 from hybond.studio.runs import defect
 from hybond.units import parse_quantity
 
@@ -130,7 +130,7 @@ class Sweeps:
         )
         self.cancel()
         self._count += 1
-        names = [str(n) for n in message.get("names") or ()][:8]
+        names = [str(n) for n in message.get("names") or ()][:MOST_PLOTTED]
         until = message.get("until") or None
         sweep = Sweep(self._count, str(message.get("path")), values, names, until)
         self.current = sweep

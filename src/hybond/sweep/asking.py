@@ -45,6 +45,10 @@ def asked_of(task: Task) -> tuple[tuple[Settings, float | None] | None, str]:
     return (settings, band), ""
 
 
+_FACTORS = ("vary", "values", "params", "factors", "sweep", "over")
+"""What a plan is called elsewhere."""
+
+
 def check_options(options: Mapping[str, Any]) -> dict[str, Any]:
     """Return options of `simulate` for many runs, records opened; HB-S115 for what they lack."""
     if options.keys() - (inspect.signature(settings_of).parameters.keys() | OPTIONS.keys()):
@@ -58,6 +62,8 @@ def check_options(options: Mapping[str, Any]) -> dict[str, Any]:
                 raise _refusal(f"an ensemble has no {name!r}", name, _OWN[name])
             if name not in known:
                 hint = did_you_mean(name, known - _OWN.keys())
+                if name in _FACTORS:
+                    hint = 'what varies comes second: hb.sweep(model, {"R": [1, 2]}, collect="x")'
                 raise _refusal(f"there is no option {name!r}", name, hint)
     if isinstance(options.get("keep"), Journal):
         raise _refusal("an ensemble has no journal", "keep", _OWN["journal"])

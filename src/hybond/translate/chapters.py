@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 
 from hybond.translate.braces import Braces
 from hybond.translate.effects import Effects, effects_of
@@ -43,6 +43,8 @@ class Chapters(Braces):
         """The text of given functions, which stands where they are declared."""
         self.known: dict[int, list[str]] = {}
         """Definitions that were printed before, by the identity of the function."""
+        self.opened: Callable[[Function], Function] = lambda f: f
+        """A function with its body, where the program has been kept without."""
         self.kept: Collection[tuple[str, str]] = ()
         """Fields that are printed whether they are used or not: record and name."""
 
@@ -92,5 +94,5 @@ class Chapters(Braces):
     def defined(self, f: Function) -> list[str]:
         """Return a function, printed once for all programs that have it."""
         if id(f) not in self.known:
-            self.known[id(f)] = self.definition(f)
+            self.known[id(f)] = self.definition(self.opened(f))
         return self.known[id(f)]

@@ -47,6 +47,10 @@ _COMPARED = {
 }
 
 
+Made = tuple[str, tuple[tuple[tuple[str, str], int], ...]]
+"""What tells a function without what facts rule out: its name, and the facts that concern it."""
+
+
 class Specialist:
     """Makes programs without the branches and loops that facts rule out; keeps what it made.
 
@@ -57,17 +61,38 @@ class Specialist:
     ----------
     effects : Effects
         What its functions change.
+    uses : mapping, optional
+        What they use, if it is known.
+    bodies : mapping, optional
+        Their bodies, where those of `program` are left out.
+    known : mapping, optional
+        What functions use that were made before. Such a function is made without its body: who
+        needs that asks `opened`.
     """
 
-    def __init__(self, program: Program, effects: Effects) -> None:
+    def __init__(
+        self,
+        program: Program,
+        effects: Effects,
+        *,
+        uses: Mapping[str, Uses] | None = None,
+        bodies: Mapping[str, Block] | None = None,
+        known: Mapping[Made, Uses] | None = None,
+    ) -> None:
         self.program = program
         self.effects = effects
-        self._uses = uses_of(program)
+        self.uses = uses_of(program) if uses is None else uses
+        self.made: dict[Made, Function] = {}
+        self.made_uses: dict[int, Uses] = {}
+        """By the identity of the function."""
+        self._bodies = bodies
+        self._known = known or {}
+        self._unread: dict[int, tuple[Function, Facts]] = {}
+        """Functions without their bodies: of what they are made, and by which facts."""
+        self._opened: dict[int, Function] = {}
         self._constants = {
             c.name: c.value for c in program.constants.values() if type(c.value) is int
         }
-        self._made: dict[tuple[str, tuple[tuple[tuple[str, str], int], ...]], Function] = {}
-        self._made_uses: dict[int, Uses] = {}
 
     def program_for(self, facts: Facts) -> tuple[Program, dict[str, Uses]]:
         """Return the program where these facts hold, and what its functions use.
@@ -79,18 +104,35 @@ class Specialist:
         for m in self.program.modules:
             functions = {name: self._function(f, facts) for name, f in m.functions.items()}
             modules.append(replace(m, functions=functions))
-            uses.update((f.name, self._made_uses[id(f)]) for f in functions.values())
+            uses.update((f.name, self.made_uses[id(f)]) for f in functions.values())
         return Program(tuple(modules)), uses
 
+    def opened(self, f: Function) -> Function:
+        """Return a function that was made, with its body."""
+        if id(f) not in self._unread:
+            return f
+        if id(f) not in self._opened:
+            self._opened[id(f)] = self._made_of(*self._unread[id(f)])
+        return self._opened[id(f)]
+
     def _function(self, f: Function, facts: Facts) -> Function:
-        fields = sorted(self._uses[f.name].fields & facts.keys())
-        key = f.name, tuple((place, facts[place]) for place in fields)
-        made = self._made.get(key)
+        fields = sorted(self.uses[f.name].fields & facts.keys())
+        mine = {place: facts[place] for place in fields}
+        key = f.name, tuple(mine.items())
+        made = self.made.get(key)
         if made is None:
-            work = _Specialiser(facts, self._constants, self.effects)
-            made = self._made[key] = work.function(f) if fields else f
-            self._made_uses[id(made)] = function_uses(made)
+            known = self._known.get(key)
+            made = replace(f) if known is not None else self._made_of(f, mine)
+            if known is not None and f.body is not None:
+                self._unread[id(made)] = f, mine
+            self.made[key] = made
+            self.made_uses[id(made)] = function_uses(made) if known is None else known
         return made
+
+    def _made_of(self, f: Function, facts: Facts) -> Function:
+        if self._bodies is not None and f.body is not None:
+            f = replace(f, body=self._bodies[f.name])
+        return _Specialiser(facts, self._constants, self.effects).function(f) if facts else f
 
 
 class _Specialiser:
