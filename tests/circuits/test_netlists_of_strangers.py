@@ -301,3 +301,28 @@ def test_a_switch_begins_as_it_is_at_rest(read, model):
     )  # fmt: skip
     x = hb.simulate(conversion.model)[conversion.signal("v(x)")]
     assert [float(x.at(t)) for t in (0.0, 1e-3, 5e-3)] == pytest.approx([5.0] * 3)
+
+
+@pytest.mark.parametrize(
+    ("law", "low", "high", "first"),
+    [
+        ("V(c)<V(p) ? 5 : -5", -2.5, 2.5, -5.0),
+        ("V(p)>V(c) ? 5 : -5", -2.5, 2.5, -5.0),
+        ("V(c)<V(p)+1 ? 5 : -3", -0.5, 3.5, -3.0),
+    ],
+)
+def test_an_oscillator_without_a_rest_starts_from_zero(read, law, low, high, first):
+    rows = f"B1 o 0 V={law}\nR1 o p 10k\nR2 p 0 10k\nR3 o c 10k\nC1 c 0 100n\n.tran 1u 9m\n"
+    deck = read(rows)
+    (warning,) = (str(w) for w in deck.warnings if "rest" in str(w))
+    assert "the start is that of uic" in warning
+    run = hb.simulate(deck.model)
+    # each side in its turn until the capacitor is at the divider's threshold
+    times, at, level, levels = [], 0.0, 0.0, (-3.0 if "+1" in law else -5.0, 5.0)
+    to = first
+    while len(times) < 5:
+        end = high if to > 0 else low
+        at += 1e-3 * math.log((to - level) / (to - end))
+        times.append(at)
+        level, to = end, levels[0] if to > 0 else levels[1]
+    assert [e.t for e in run.events if e.t > 0][:5] == pytest.approx(times, rel=1e-6)

@@ -269,3 +269,40 @@ def test_eighty_that_settle_together_block_once_a_period(turned: bool) -> None:
     assert min(flows["d7.f"]) == max(flows["d7.f"]) == 0.0
     assert max(abs(flows["n.e"])) == 0.0
     assert not run.warnings
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("gain", [1e2, 1e3])
+def test_a_diode_behind_an_amplifier_that_is_led_its_voltage_back_blocks(
+    gain: float, turned: bool
+) -> None:
+    # an ideal rectifier of 1 V that falls by 100 V/s; at first it would push amperes into the
+    # capacitor, which has its voltage within picoseconds
+    fall, inner, load, held = 100.0, 0.026, 1e4, 1e-8
+    fed = hb.Model("fed", domain="electrical")
+    fed.signals["u"] = f"1 V - {fall!r} [V/s]*time"
+    fed.add(E=hb.Se(f"{gain!r}*(u - n.e)"), d=hb.One(law="diode"), R=hb.R(inner))
+    fed.add(n=hb.Zero(), C=hb.C(held), L=hb.R(load))
+    fed.bond("C -> n" if turned else "n -> C", "L -> n" if turned else "n -> L")
+    fed.bond("R -> d" if turned else "d -> R", "E -> d -> n")
+    run = hb.simulate(fed, until=0.02)
+    # C n' = (gain*(u - n) - n)/R - n/L is followed by a straight line within picoseconds
+    total = (gain + 1) / inner + 1 / load
+    slope = -fall * gain / inner / total
+    begins = (gain / inner - held * slope) / total
+    # where it carries nothing, n = -L*C*n'
+    blocks = (-load * held * slope - begins) / slope
+    assert [e.t for e in run.events][1:] == pytest.approx([blocks], rel=1e-3)
+    left = float(run["n.e"].at(blocks + load * held))
+    assert left == pytest.approx(-load * held * slope * math.exp(-1.0), rel=1e-2)
+    assert abs(float(run["n.e"].at(0.02))) < 1e-9
+
+
+def test_what_flows_back_behind_a_huge_gain_is_warned_of() -> None:
+    fed = hb.Model("fed", domain="electrical")
+    fed.signals["u"] = "1 V*sin(2*pi*100 Hz*time)"
+    fed.add(E=hb.Se("1e5*(u - n.e)"), d=hb.One(law="diode"), R=hb.R(1e-3))
+    fed.add(n=hb.Zero(), C=hb.C(1e-8), L=hb.R(1e4))
+    fed.bond("n -> C", "n -> L", "d -> R", "E -> d -> n")
+    (text,) = (w for w in hb.simulate(fed, until=0.02).warnings if "HB-N414" in w)
+    assert "'d.f < 0' of d is known to" in text

@@ -21,7 +21,7 @@ from hybond.circuits.measured import Wanted
 from hybond.circuits.notices import Line, Notice, Notices
 from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import GROUND, Opened, Value, global_value, open_deck
-from hybond.circuits.operating_point import operating_point
+from hybond.circuits.operating_point import operating_point, with_nodes
 from hybond.circuits.settled_starts import settle_starts
 from hybond.circuits.texts import Texts
 from hybond.circuits.wanting import all_wanted, values_of
@@ -438,7 +438,7 @@ class _Making:
             flowing[key] = global_value(formula, self.opened, line)
         if transient is not None and transient.uic:
             held = {k: v for k, v, _ in forced}
-            return [_with_nodes(_flowing(leaf, flowing), held) for leaf in self.leaves]
+            return [with_nodes(_flowing(leaf, flowing), held) for leaf in self.leaves]
         if flowing:
             raise self.deck.currents[0][2].refuse(
                 "the current of a coil is given, and the start is the operating point",
@@ -459,6 +459,7 @@ class _Making:
             self.texts,
             self.deck,
             str(self.path),
+            self.notices,
             parameters=self._given(),
         )
         if self.deck.steps and any(leaf.start is not None for leaf in found):
@@ -476,19 +477,6 @@ def _flowing(leaf: Leaf, flowing: Mapping[str, Value]) -> Leaf:
     if start is None or leaf.start is not None or leaf.branch.kind != "l":
         return leaf
     return replace(leaf, start=start)
-
-
-def _with_nodes(leaf: Leaf, forced: dict[str, Value]) -> Leaf:
-    """Return a capacitor that starts from the voltages of ``.ic``, if it has no start itself."""
-    if leaf.role != "C" or leaf.start is not None:
-        return leaf
-    a, b = forced.get(leaf.branch.a), forced.get(leaf.branch.b)
-    if a is None and b is None:
-        return leaf
-    if b is None:
-        return replace(leaf, start=a)
-    number = (0.0 if a is None else a.number) - b.number
-    return replace(leaf, start=Value(Number(number), number))
 
 
 def _plain(value: Value) -> str | float:

@@ -4,7 +4,8 @@ At rest no current flows through a capacitor and no voltage drops across a coil.
 of zero stands for each C, a voltage source of zero for each L, and what remains is a circuit
 without storage, whose diodes and switches are settled as any others. Sources that compute do so
 of what is there at rest, at t = 0. Where its solution is not the only one, the start is not a
-matter of the circuit, and the netlist has to say it.
+matter of the circuit, and the netlist has to say it. An oscillator of comparators has none: each
+makes the other false. It starts as with ``uic``, and a warning says so.
 """
 
 from __future__ import annotations
@@ -35,6 +36,11 @@ LARGEST = 1000
 """Elements of a circuit whose rest is computed: all at once, with dense matrices."""
 FEW = 4
 """Elements that a remedy names."""
+NEVER_SETTLES = "HB-N401"
+"""What a run ends with whose comparisons follow each other at one instant without end."""
+NO_REST = (
+    "the circuit has no rest, so the start is that of uic, from zero or from the voltages of .ic"
+)
 Forced = Sequence[tuple[str, Value, Line]]
 
 
@@ -46,6 +52,7 @@ def operating_point(
     texts: Texts,
     deck: Deck,
     place: str,
+    notices: Notices,
     *,
     parameters: Mapping[str, str | float],
 ) -> list[Leaf]:
@@ -79,6 +86,11 @@ def operating_point(
     except FileError:
         raise
     except HybondError as error:
+        if error.code == NEVER_SETTLES and deck.transient is not None:
+            # an oscillator: SPICE gives what its search for a rest has come to when it gives up
+            notices.add(deck.transient.line, f"{NO_REST}: {shortened(error.why)}")
+            held = {key: value for key, value, _ in forced}
+            return [with_nodes(leaf, held) for leaf in cleared]
         why = f"with coils as wires and capacitors open the circuit has no rest: {error.why}"
         raise _none(place, why, _remedy(deck, leaves, stores)) from None
     found = list(cleared)
@@ -89,6 +101,19 @@ def operating_point(
         branch = replace(found[k].branch, state="on" if is_above else "off")
         found[k] = replace(found[k], branch=branch)
     return found
+
+
+def with_nodes(leaf: Leaf, forced: Mapping[str, Value]) -> Leaf:
+    """Return a capacitor that starts from the voltages of ``.ic``, if it has no start itself."""
+    if leaf.role != "C" or leaf.start is not None:
+        return leaf
+    a, b = forced.get(leaf.branch.a), forced.get(leaf.branch.b)
+    if a is None and b is None:
+        return leaf
+    if b is None:
+        return replace(leaf, start=a)
+    number = (0.0 if a is None else a.number) - b.number
+    return replace(leaf, start=Value(Number(number), number))
 
 
 def _none(place: str, why: str, hint: str) -> FileError:

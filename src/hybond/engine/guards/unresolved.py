@@ -12,7 +12,7 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.guards.guard_values import holds_at
+from hybond.engine.guards.guard_values import holds_at, look, terms_here
 from hybond.engine.guards.locator import ALL_PARTS, FRACTION, SAMPLES, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE, horner
 from hybond.engine.reasons.warned import UNRESOLVED, add_about, begin_warning
@@ -35,6 +35,34 @@ def see_carried(e: Engine, g: Locator) -> None:
         for i in range(0, SAMPLES, 4):
             most = max(most, math.fabs(value_at(g, g.atom_first[k], i)))
         e.checks.carried[r] = most
+
+
+def see_held_back(e: Engine, g: Locator) -> None:
+    """See of laws that are sampled what is beyond zero at the end of a step, but for rounding.
+
+    A diode behind an amplifier of a million carries milliamperes backward before its voltage, times
+    that, is more than rounding.
+    """
+    m = e.model
+    if m.laws == 0 or m.tells == 0 or not g.sampled or g.at < math.inf or e.slide.k > 0:
+        return
+    c = e.checks
+    for k in range(g.guards if e.mode.finite_frees > 0 else 0):
+        r = g.rule[k]
+        a = g.atom_first[k]
+        if r < 0 or g.solved[k] != 0 or g.part[k] != ALL_PARTS or g.atom_first[k + 1] != a + 1:
+            continue
+        for i in range(0, SAMPLES, 4):
+            c.carried[r] = max(c.carried[r], math.fabs(g.shape[a * SAMPLES + i]))
+        beyond = math.fabs(g.shape[a * SAMPLES + SAMPLES - 1])
+        if g.truth[k * SAMPLES + SAMPLES - 1] == 0 or beyond <= c.unresolved[r]:
+            continue
+        look(e, g, g.t[SAMPLES - 1])
+        rounding = ROUNDING * terms_here(e, g, k, a)
+        if beyond <= rounding and rounding > BESIDE * c.carried[r]:
+            c.unresolved[r] = beyond
+            c.unresolved_at[r] = g.t[SAMPLES - 1]
+            c.unresolved_by[r] = rounding
 
 
 def value_at(g: Locator, a: int, i: int) -> float:
