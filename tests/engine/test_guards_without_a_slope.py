@@ -1,6 +1,7 @@
 """Guards that have no slope where they cross: a cube at zero crosses, though nothing leads it.
 
-The states that such a guard reads may be in motion. Its threshold is no place to rest at unless they rest.
+The states that such a guard reads may be in motion. Its threshold is no place to rest at unless
+they rest.
 """
 
 from __future__ import annotations
