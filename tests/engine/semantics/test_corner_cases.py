@@ -190,11 +190,11 @@ def test_input_that_breaks_at_a_guard() -> None:
 # -- open values ---------------------------------------------------------------------------------
 
 
-def floating(jump: bool) -> hb.Model:
+def floating(jump: bool, *first: str) -> hb.Model:
     m = joined("apart -> first when time >= 1") if jump else hb.Model("floating")
     m.add(V=hb.Se(5.0), r=hb.R(1.0), a=hb.One(), f=hb.Zero(), b=hb.One())
     m.bond("V -> a -> f -> b -> r")
-    rules = ["off -> both when f.e > 1" + (" and time >= 1" if jump else "")]
+    rules = [*first, "off -> both when f.e > 1" + (" and time >= 1" if jump else "")]
     m.machine("m", states={"off": [], "both": ["a", "b"]}, start="off", rules=rules)
     return m
 
@@ -203,6 +203,24 @@ def floating(jump: bool) -> hb.Model:
 def test_guard_on_an_open_value(jump: bool) -> None:
     with pytest.raises(hb.HybondError, match="HB-J102"):
         hb.simulate(floating(jump), until=2.0)
+
+
+def test_open_value_behind_a_rule_that_holds() -> None:
+    """A rule is asked, though one before it fires: the record would say whether it held."""
+    with pytest.raises(hb.HybondError, match="HB-J102"):
+        hb.simulate(floating(False, "off -> both when time >= 0"), until=2.0)
+
+
+def test_guard_on_an_integral_of_an_impulse() -> None:
+    """The coil of 1 V*s is cut off: on trial the integral of its pulse is there already."""
+    m = clock("time >= 1")
+    m.signal(area=hb.Integral("a.e"))
+    m.machine("w", states={"no": [], "yes": []}, start="no", rules=["no -> yes when area < -0.5"])
+    run = hb.simulate(m, until=2.0)
+    assert kinds(run.events[-1]) == ["mythical", "continuous"]
+    assert run.events[-1].t == 1.0 and run.mode == {"s": "off", "w": "yes"}
+    assert float(run["area"].at(0.5)) == 0.0
+    assert float(run["area"].at(2.0)) == pytest.approx(-1.0, rel=1e-15)
 
 
 # -- what pre() reads ----------------------------------------------------------------------------
@@ -217,6 +235,16 @@ def test_pre_at_an_inconsistent_start(name: str) -> None:
     run = hb.simulate(joined(f"first -> over when pre({name}) < 8", start="first"), until=1.0)
     assert kinds(run.events[0]) == ["pinnacle", "continuous"]
     assert voltages(run) == [pytest.approx(6.0, rel=1e-15)] * 2 + [0.0]
+
+
+def test_pre_of_an_input_behind_its_step() -> None:
+    """At the step it is the old value; time that goes on has the new one before it."""
+    step = hb.Input(table=[(0, 0), (1, 5)])
+    run = hb.simulate(clock("g > 3", g=step), until=2.0)
+    assert [e.cause for e in run.events] == ["start", "input"]
+    run = hb.simulate(clock("pre(g) > 3", g=step), until=2.0)
+    assert instants(run) == [pytest.approx(1.0, abs=1e-12)] and run.mode == {"s": "off"}
+    assert run.events[-1].cause == "guard"
 
 
 def test_pre_in_two_steps_of_one_instant() -> None:

@@ -29,7 +29,13 @@ from hybond.engine.guards.guard_values import (
 )
 from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS
-from hybond.engine.guards.rest_limits import find_limit, lead_to_rest, moves_on, stays_near
+from hybond.engine.guards.rest_limits import (
+    find_felt,
+    find_limit,
+    lead_to_rest,
+    moves_on,
+    stays_near,
+)
 from hybond.engine.guards.rest_records import make_room, side_of
 from hybond.engine.guards.sides_seen import creeps_in
 from hybond.engine.methods.control import is_propagated
@@ -271,7 +277,7 @@ def how_it_rests(e: Engine, g: Locator, k: int, a: int, t: float) -> int:
     q.near[a] = near
     if not math.fabs(q.level[a]) <= near or was_zero(e, g, k, which):
         return MOVES
-    many = find_inside(e, a, size)
+    many = find_inside(e, g, k, a)
     if creeps_in(e, g, which, t):
         return ZERO
     if many < 0 or not find_limit(e, many):
@@ -341,13 +347,15 @@ def is_reached(e: Engine, g: Locator, a: int, t: float, size: float) -> bool:
     return not math.fabs(here) <= 4.0 * ROUNDING * size
 
 
-def find_inside(e: Engine, a: int, size: float) -> int:
+def find_inside(e: Engine, g: Locator, k: int, a: int) -> int:
     """Put the states there that a comparison depends on; return how many, -1 if one just moves.
 
-    What nothing moves has no part in it.
+    What nothing moves has no part in it. A comparison without a slope, as of a cube at zero, may be
+    moved by what is farther.
     """
     q = e.rests
     n = e.states
+    size = q.size[a]
     best = 0.0
     q.driver[a] = -1
     for j in range(n):
@@ -356,6 +364,8 @@ def find_inside(e: Engine, a: int, size: float) -> int:
         if q.inside[j] != 0 and part > best:
             best = part
             q.driver[a] = j
+    if best == 0.0:
+        find_felt(e, g, g.atom_first[k] + a, size)
     for i in range(n):
         q.largest[i] = 0.0
         for j in range(n):

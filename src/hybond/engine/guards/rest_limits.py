@@ -14,6 +14,8 @@ from typing import Final
 from hybond.engine.algebra.products import all_finite, copy_floats, times_matrix
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import atom_here, look_at_state
+from hybond.engine.guards.locator import Locator
 from hybond.engine.guards.rest_records import Rests
 from hybond.engine.surfaces.values import field
 
@@ -71,6 +73,26 @@ def begin_flow_of(q: Rests, many: int, h: float) -> None:
     copy_floats(many * many, q.twice, q.flow)
     for i in range(many):
         q.flow[i * many + i] += 1.0
+
+
+def find_felt(e: Engine, g: Locator, a: int, size: float) -> None:
+    """Put the states there that atom a of a guard is moved by if they move by their own size.
+
+    For one that has no slope where it is zero, as a cube has none where it crosses.
+    """
+    q = e.rests
+    level = q.level[a - g.atom_first[g.atom_guard[a]]]
+    copy_floats(e.states, q.y, q.shifted)
+    for j in range(e.states):
+        own = max(math.fabs(q.y[j]), math.fabs(q.began[j]))
+        own = max(own, e.largest_state[j])
+        for way in range(2):
+            q.shifted[j] = q.y[j] + (own if way == 0 else -own)
+            look_at_state(e, g, g.at, q.shifted)
+            there = atom_here(e, g, a)
+            if not math.fabs(there - level) <= ROUNDING * size:
+                q.inside[j] = 1
+        q.shifted[j] = q.y[j]
 
 
 def find_limit(e: Engine, many: int) -> bool:
