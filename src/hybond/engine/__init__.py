@@ -107,7 +107,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         stepping            one step of the method asked for
         control, off_kinks  steps that the error controls; those that begin on a kink
         tolerances/
-            scale, signal_sizes, shaken, lately    of what is stored and what is integrated
+            scale, signal_sizes, lately    of what is stored and what is integrated
             moment_later    values kept while those of a moment later are looked at
             pushes          the energy that what pushes at rest would give in a moment
             defects         what a step stores beyond what its rates bring

@@ -148,14 +148,8 @@ class Engine:
     rate_rest: Floats
     """By what the rates of the state that were found last are more than they were rounded to, where
     the mode is summed closely."""
-    lasts: Floats
-    """How long such noise of a rate adds up, before what it moves leads back."""
     rate_rounding: Floats
     """What rates of integrated signals may be wrong by, where that matters, ..."""
-    rate_shakes: Floats
-    """How fast rounding of what pushes others drives the rate of a state off that reads them ..."""
-    shakes_for: Floats
-    """... and for how long."""
     least_signal: Floats
     sample_terms: Floats
     """Of each signal that is sampled: the size of the terms that it was made of."""
@@ -352,12 +346,7 @@ def make_engine(m: Model) -> Engine:
     e.push_alone = floats(m.storages)
     e.moved_rounding = floats(m.storages)
     e.rate_rest = floats(e.states)
-    e.lasts = floats(m.storages)
-    for k in range(m.storages):
-        e.lasts[k] = math.inf
     e.rate_rounding = floats(m.integrals)
-    e.rate_shakes = floats(e.states)
-    e.shakes_for = floats(e.states)
     e.least_signal = floats(m.integrals)
     e.sample_terms = floats(m.integrals)
     e.largest_state = floats(e.states)

@@ -141,8 +141,6 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_floats(c, e.states, e.largest_state)
     carry_floats(c, 5 * (e.states + m.storages + 1), e.lately)
     carry_floats(c, m.integrals, e.rate_rounding)
-    carry_floats(c, e.states, e.rate_shakes)
-    carry_floats(c, e.states, e.shakes_for)
     carry_floats(c, m.integrals, e.least_signal)
     carry_floats(c, (m.storages + 1) * m.impulse_kinds, e.largest)
     carry_floats(c, m.classes, e.checks.largest)

@@ -11,7 +11,6 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.tolerances.moment_later import come_back, look_later
 from hybond.engine.methods.tolerances.pushes import forget_pushes, see_pushes
-from hybond.engine.methods.tolerances.shaken import find_shakes, forget_shakes, shaken_by
 from hybond.engine.methods.tolerances.signal_sizes import (
     allowed_signal,
     begin_signals,
@@ -70,7 +69,6 @@ def start_scale(e: Engine, mode: Mode) -> None:
     for k in range(e.model.storages):
         e.rate_noise[k] = 0.0
     forget_settling(e)
-    forget_shakes(e)
     forget_pushes(e)
     soon = SHORT * e.span
     if e.next_break < math.inf:
@@ -121,10 +119,9 @@ def find_still(e: Engine, found: bool) -> None:
 
 
 def forget_settling(e: Engine) -> None:
-    """Know of no state how soon it settles, or is led back."""
+    """Know of no state how soon it settles."""
     for k in range(e.model.storages):
         e.settled[k] = math.inf
-        e.lasts[k] = math.inf
 
 
 def know_settling(e: Engine, jacobian: Floats) -> None:
@@ -134,8 +131,6 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
     rounding of its voltage, however long the run is. Two that are joined by it settle together, but
     what both have does not; their slopes on each other are as large as their own. Beside edges and
     limits of laws slopes are without bound, and say nothing of what a state has a moment later.
-    Noise of a rate lasts for as long as that takes, or as it takes another to swing back what the
-    first has moved: a mass between two chambers of oil.
     """
     m = e.model
     n = e.states
@@ -143,21 +138,10 @@ def know_settling(e: Engine, jacobian: Floats) -> None:
     for k in range(m.storages):
         own = -jacobian[k * n + k]
         others = 0.0
-        back = 0.0
         for j in range(n):
             others += math.fabs(jacobian[k * n + j]) if j != k else 0.0
-            back = max(back, -jacobian[k * n + j] * jacobian[j * n + k])
-        # what is damped so that it creeps has what the noise is held by: no less than if it swings
-        soon = math.sqrt(back) if back > 0.0 else max(own, 0.0)
-        e.lasts[k] = 1.0 / soon if soon > 0.0 and math.isfinite(soon) else math.inf
         known = own > ALONE * others and e.rate_noise[k] > 0.0 and not steep
         e.settled[k] = SEEN * e.rate_noise[k] / own if known else math.inf
-    for k in range(n):
-        longest = 0.0
-        for j in range(m.storages):
-            if j != k and jacobian[k * n + j] != 0.0 and e.rate_noise[j] > 0.0:
-                longest = max(longest, e.lasts[j])
-        e.shakes_for[k] = longest
 
 
 def find_moved_terms(e: Engine, mode: Mode, soon: float) -> None:
@@ -228,7 +212,6 @@ def found_terms(e: Engine, mode: Mode, t: float, y: Floats) -> bool:
             e.rounding[k] = ROUNDED * lasting_size(e, mode, k, at, acts)
         else:
             e.rounding[k] = ROUNDED * acts * e.rounding[k]
-    find_shakes(e, mode)
     if e.model.integrals > 0 and e.slide.k == 0:
         measure_rates(e, mode, t)
     return found
@@ -419,8 +402,6 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
             if e.step.tried > 0.0 and not e.step.solved:
                 # an explicit step adds what it lasts for: else what is unstable seems no error
                 own_rounding = min(own_rounding, SEEN * e.rate_noise[k] * e.step.tried)
-            if e.step.solved:
-                own_rounding = max(own_rounding, shaken_by(e, k, e.step.tried))
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     for k in range(m.storages, e.states):
         size = max(out[k], e.step.onset[k]) if begins else out[k]

@@ -17,7 +17,6 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import evaluate_pair
 from hybond.engine.expressions.pairs import clear
 from hybond.engine.methods.tolerances.moment_later import come_back, look_later
-from hybond.engine.methods.tolerances.shaken import shaken_by, shakes_last, shakes_of
 from hybond.engine.mode.digits.sizes import measure
 from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
@@ -45,8 +44,6 @@ def forget_rounding(e: Engine) -> None:
     """Know nothing of the rounding of these rates."""
     for k in range(e.model.integrals):
         e.rate_rounding[k] = 0.0
-        e.rate_shakes[e.model.storages + k] = 0.0
-        e.shakes_for[e.model.storages + k] = 0.0
 
 
 def measure_rates(e: Engine, mode: Mode, t: float) -> None:
@@ -86,39 +83,6 @@ def measure_rates(e: Engine, mode: Mode, t: float) -> None:
             e.rate_rounding[k] = max(e.rate_rounding[k], m.rtol * size)
         if UNITS * size > MATTERS * m.rtol * rate:
             e.rate_rounding[k] = max(e.rate_rounding[k], UNITS * size)
-        measure_shakes(e, mode, k, stack.size[stack.top])
-
-
-def measure_shakes(e: Engine, mode: Mode, k: int, size: float) -> None:
-    """Learn how fast rounding of what moves others drives the rate of signal `k` off.
-
-    Where nothing moves a speed but rounding of great forces that balance, the way is known no
-    better than that lets it: it has no size of its own, and no step is short enough to follow it.
-    `size` is that of the terms of the rate, which are there from `measure`.
-    """
-    m = e.model
-    pair = m.rule_first[m.machines] + k
-    stack = e.work.stack
-    terms = e.work.terms
-    lasts = 0.0
-    for i in range(m.read_first[pair], m.read_first[pair + 1]):
-        slot = m.read_slot[i]
-        b = slot - m.bond_slot
-        j = slot - m.stored_slot
-        if j >= 0 and j < m.storages and e.rate_noise[j] > 0.0:
-            terms[slot] += e.rate_noise[j] / UNITS
-            lasts = max(lasts, e.lasts[j])
-        if b >= 0 and b < 2 * m.bonds:
-            terms[slot] += shakes_of(e, mode, b, m.storages) / UNITS
-            lasts = max(lasts, shakes_last(e, mode, b, m.storages))
-    if lasts == 0.0:
-        return
-    evaluate_pair(m, pair, stack)
-    shaken = UNITS * (stack.size[stack.top] - size)
-    if stack.refused == 0 and math.isfinite(shaken) and shaken > 0.0:
-        at = m.storages + k
-        e.rate_shakes[at] = max(e.rate_shakes[at], shaken)
-        e.shakes_for[at] = max(e.shakes_for[at], lasts)
 
 
 def measure_rates_at(e: Engine, mode: Mode, t: float, y: Floats) -> None:
@@ -226,8 +190,7 @@ def allowed_signal(e: Engine, k: int, added: float, size: float) -> float:
     if not h > 0.0:
         return rtol * size
     size = max(size, added * (EPSILON * e.span / h))
-    shaken = shaken_by(e, k, h) if e.step.solved else 0.0
-    return rtol * size + rounded(e, i, h, added) + shaken
+    return rtol * size + rounded(e, i, h, added)
 
 
 def rounded(e: Engine, i: int, h: float, added: float) -> float:
@@ -237,24 +200,14 @@ def rounded(e: Engine, i: int, h: float, added: float) -> float:
 
 def allow_rounding(e: Engine, h: float, y0: Floats, y1: Floats, out: Floats) -> None:
     """Let stages of a step of size `h` be found no better than rounding lets them."""
-    allow_shaken(e, h, out)
     for i in range(e.model.integrals):
         k = e.model.storages + i
-        least = rounded(e, i, h, math.fabs(y1[k] - y0[k]))
-        out[k] = max(out[k], least + shaken_by(e, k, h))
+        out[k] = max(out[k], rounded(e, i, h, math.fabs(y1[k] - y0[k])))
 
 
 def allow_begun(e: Engine, h: float, y0: Floats, rate: Floats, out: Floats) -> None:
     """Likewise before there are stages; they say how large a signal is that has not begun."""
-    allow_shaken(e, h, out)
     for i in range(e.model.integrals):
         k = e.model.storages + i
-        least = rounded(e, i, h, h * math.fabs(rate[k])) + shaken_by(e, k, h)
+        least = rounded(e, i, h, h * math.fabs(rate[k]))
         out[k] = max(out[k], least) if y0[k] != 0.0 else 0.0
-
-
-def allow_shaken(e: Engine, h: float, out: Floats) -> None:
-    """Let what is stored be known no better than rounding of what moves it lets it."""
-    for k in range(e.model.storages):
-        if out[k] > 0.0:
-            out[k] = max(out[k], shaken_by(e, k, h))
