@@ -37,6 +37,8 @@ LEAST = 1e-4
 """Part of a step below which it is not shortened any more."""
 SMALL = 1e-6
 """Part of the largest state that the step is at a rest at the most, by rates that are rounding."""
+DUST = 1e-13
+"""Part of the largest move, or rate, below which that of another state is rounding."""
 STUCK = 4
 """Steps that may make nothing smaller."""
 NEARER = "give start values nearer to it, or linearise at the end of a long run"
@@ -183,7 +185,10 @@ class _Search:
         lost = None
         if rank < len(A):
             conserved, free = u[:, rank:].T, vt[rank:].T
-            off = np.abs(conserved.T @ (conserved @ g)) * scale
+            lasting = np.abs(conserved.T @ (conserved @ g))
+            # what is left of the other rates by rounding moves nothing that has not moved yet
+            lasting[lasting <= DUST * np.abs(g).max(initial=0.0)] = 0.0
+            off = lasting * scale
             part = off / np.maximum(self.sizes[kept[still]], 1e-300)
             worst = int(np.argmax(part))
             if part[worst] > HELD:
@@ -198,6 +203,9 @@ class _Search:
                 f"not the only rest: {many} direction{'s' if many > 1 else ''} in which the states "
                 "may be moved; what the motion conserves is as at the start"
             )
+        # what is rounding beside the others waits until they have settled: a body that is at rest
+        # while another state moves stays there, as no rank may hang on
+        d[np.abs(d) <= DUST * np.abs(d).max(initial=0.0)] = 0.0
         move[still] = d * scale
         return move, notes, lost
 
