@@ -342,3 +342,16 @@ def test_a_solenoid_rests_where_its_spring_holds_it(back: bool) -> None:
     )
     want = np.sort_complex([*np.linalg.eigvals(A), 0.0])
     assert np.sort_complex(lin.poles()) == pytest.approx(want, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("start", [0.7, -0.2])
+def test_a_bead_in_a_parabola_rests_at_its_lowest_point(start: float, back: bool) -> None:
+    """Its modulus, the slope 2 s, was 1e-17 there and counted: HB-Q105."""
+    m = hb.Model("bead", domain="translational")
+    m.add(x=hb.One(), y=hb.One(), mx=hb.I(1.0), my=hb.I(1.0), t=hb.TF("2*s"), g=hb.Se(-9.81))
+    m.signal(s=hb.Integral("x.f", start=start))
+    m.bond("x -> t -> y", "g -> y", *(["mx -> x", "my -> y"] if back else ["x -> mx", "y -> my"]))
+    lin = hb.linearise(m, inputs=[], outputs=["s"], at="equilibrium")
+    assert lin.operating["s"] == pytest.approx(0.0, abs=1e-10)
+    assert abs(lin.poles().imag) == pytest.approx([np.sqrt(2 * 9.81)] * 2, rel=1e-9)

@@ -38,7 +38,7 @@ LEAST = 1e-4
 SMALL = 1e-6
 """Part of the largest state that the step is at a rest at the most, by rates that are rounding."""
 DUST = 1e-13
-"""Part of the largest move, or rate, below which that of another state is rounding."""
+"""Part of the largest move or rate, or of what a state has been, below which one is rounding."""
 STUCK = 4
 """Steps that may make nothing smaller."""
 NEARER = "give start values nearer to it, or linearise at the end of a long run"
@@ -88,6 +88,8 @@ class _Search:
         """What the rate of each state is measured by: the largest seen of its kind around."""
         self.largest = 0.0
         """The largest state seen."""
+        self.seen = np.zeros(len(self.rates))
+        """The largest value that each state has had."""
         self.stuck = 0
         """Steps that made nothing smaller."""
 
@@ -137,6 +139,7 @@ class _Search:
         """Note how large efforts and flows are around each state."""
         graph = self.graph
         self.largest = max(self.largest, float(np.abs(point.state).max(initial=0.0)))
+        self.seen = np.maximum(self.seen, np.abs(point.state))
         for k in range(len(self.sizes)):
             if k < self.stored:
                 s = graph.storages[k]
@@ -219,7 +222,10 @@ class _Search:
         why: HybondError | None = None
         while part > LEAST:
             try:
-                trial = self._settled(point.state + part * direction, point.mode)
+                ahead = point.state + part * direction
+                # a state that goes to zero arrives there: a modulus may be a multiple of it
+                ahead[np.abs(ahead) <= DUST * self.seen] = 0.0
+                trial = self._settled(ahead, point.mode)
             except HybondError as error:
                 why = error
                 part /= 2.0
