@@ -279,3 +279,79 @@ def test_a_cylinder_of_the_library_is_determined() -> None:
     lin = hb.linearise(m, outputs=["rod.speed"])
     k = 1.4e9 * (1e-3**2 / (20e-6 + 1e-3 * 0.1) + 6e-4**2 / (20e-6 + 6e-4 * 0.2))
     assert max(lin.poles().imag) == pytest.approx(np.sqrt(k / 8.0), rel=1e-6)
+
+
+def cart(*, back: bool) -> hb.Model:
+    """A cart with friction carries a pendulum, whose angle counts from the top."""
+    m = hb.Model("cart", domain="translational", parameters={"L": "0.5 m", "g": "9.81 m/s^2"})
+    m.add(cart=hb.I("1 kg"), bx=hb.I("0.3 kg"), by=hb.I("0.3 kg"), weight=hb.Se("-0.3*g"))
+    m.add(v=hb.One(), x=hb.One(), y=hb.One(), s=hb.Zero(), d=hb.R("0.5 N*s/m"))
+    m.add(w=hb.One(domain="rotational"), tx=hb.TF("L*cos(th)"), ty=hb.TF("-L*sin(th)"))
+    m.signal(th=hb.Integral("w.f", start=3.0))
+    m.bond("v -> s -> x", "w -> tx -> s", "w -> ty -> y", "weight -> y")
+    ends = [("v", "cart"), ("v", "d"), ("x", "bx"), ("y", "by")]
+    m.bond(*(f"{b} -> {a}" if back else f"{a} -> {b}" for a, b in ends))
+    return m
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("angle", [1e-17, 1e-13, np.pi, np.pi + 1e-13, np.pi / 2])
+def test_a_pendulum_whose_sine_is_rounding_has_its_poles(angle: float, back: bool) -> None:
+    """At pi, where it hangs, it was refused; at a quarter turn it had no poles at all."""
+    M, m, L, g, d = 1.0, 0.3, 0.5, 9.81, 0.5
+    s, c = round(np.sin(angle)), round(np.cos(angle))  # th, w, v at rest; by Newton's laws
+    inertia = np.array([[m * L * L, m * L * c], [m * L * c, M + m]])
+    a = np.linalg.solve(inertia, [m * g * L * s, 0.0])
+    # what turns the inertia with the angle counts where the pendulum starts to fall
+    turned = np.array([-m * L * s * a[1], -m * L * s * a[0]])
+    by_angle = np.linalg.solve(inertia, np.array([m * g * L * c, 0.0]) - turned)
+    by_speed = np.linalg.solve(inertia, [0.0, -d])
+    A = np.array([[0.0, 1.0, 0.0], [by_angle[0], 0.0, by_speed[0]], [by_angle[1], 0, by_speed[1]]])
+    lin = hb.linearise(cart(back=back), inputs=[], outputs=["th"], at={"th": angle})
+    want = np.sort_complex(np.linalg.eigvals(A))
+    assert np.sort_complex(lin.poles()) == pytest.approx(want, rel=1e-6, abs=1e-5)
+
+
+def test_a_pendulum_comes_to_hang_at_its_equilibrium() -> None:
+    lin = hb.linearise(cart(back=False), inputs=[], outputs=["th"], at="equilibrium")
+    assert lin.operating["th"] == pytest.approx(np.pi, rel=1e-9)
+    assert len(lin.poles()) == 3
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_a_solenoid_rests_where_its_spring_holds_it(back: bool) -> None:
+    """Gap and spring are moved by one speed: the rounding of that was told as a change of 0."""
+    m = hb.Model("solenoid", domain="electrical", parameters={"L0": "0.1 H", "a": "5 mm"})
+    m.add(U=hb.Se("12 V"), R=hb.R("10 ohm"), i=hb.One(), turns=hb.GY(1))
+    m.add(n=hb.Zero(domain="magnetic"), v=hb.One(domain="translational"), M=hb.I("50 g"))
+    m.add(field=hb.C({"e": ["q1*(1 + q2/a)/L0", "q1^2/(2*L0*a)"]}, q=[0, "4 mm"]))
+    m.add(spring=hb.C({"e": "6000 [N/m]*(q - 4 [mm])"}, q="4 mm"), B=hb.R("3 N*s/m"))
+    m.bond("U -> i -> R", "i -> turns -> n", "n -> field.1")
+    ends = ["field.2", "spring", "M", "B"]
+    m.bond(*(f"{end} -> v" if back else f"v -> {end}" for end in ends))
+    lin = hb.linearise(m, inputs=["U"], outputs=["field.2.q"], at="equilibrium")
+    x = lin.operating["field.2.q"]
+    flux = 1.2 * 0.1 / (1 + x / 5e-3)
+    assert flux**2 / (2 * 0.1 * 5e-3) == pytest.approx(6000 * (4e-3 - x), rel=1e-8)
+    A = np.array(
+        [
+            [-10 * (1 + x / 5e-3) / 0.1, -10 * flux / (0.1 * 5e-3), 0.0],
+            [0.0, 0.0, 20.0],
+            [-flux / (0.1 * 5e-3), -6000.0, -60.0],
+        ]
+    )
+    want = np.sort_complex([*np.linalg.eigvals(A), 0.0])
+    assert np.sort_complex(lin.poles()) == pytest.approx(want, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("back", [False, True])
+@pytest.mark.parametrize("start", [0.7, -0.2])
+def test_a_bead_in_a_parabola_rests_at_its_lowest_point(start: float, back: bool) -> None:
+    """Its modulus, the slope 2 s, was 1e-17 there and counted: HB-Q105."""
+    m = hb.Model("bead", domain="translational")
+    m.add(x=hb.One(), y=hb.One(), mx=hb.I(1.0), my=hb.I(1.0), t=hb.TF("2*s"), g=hb.Se(-9.81))
+    m.signal(s=hb.Integral("x.f", start=start))
+    m.bond("x -> t -> y", "g -> y", *(["mx -> x", "my -> y"] if back else ["x -> mx", "y -> my"]))
+    lin = hb.linearise(m, inputs=[], outputs=["s"], at="equilibrium")
+    assert lin.operating["s"] == pytest.approx(0.0, abs=1e-10)
+    assert abs(lin.poles().imag) == pytest.approx([np.sqrt(2 * 9.81)] * 2, rel=1e-9)

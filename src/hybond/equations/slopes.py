@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from hybond.equations.angles import size_by_angles
 from hybond.equations.calculus import partial_time
 from hybond.equations.element_parts import configure
 from hybond.errors import EquationError
@@ -25,6 +26,8 @@ from hybond.model.fieldless import describe
 from hybond.model.graph import FlatGraph
 from hybond.model.kinds import SOURCES
 
+ANGLE = 1e-12
+"""A sine or cosine below this is zero: its angle is a quarter turn or none, but for rounding."""
 KINK = 1e-9
 """What turns within this part of the sizes of what it is made of has its kink at the point."""
 
@@ -133,7 +136,8 @@ class Slopes:
                 where=where,
                 hint="a root or a quotient at its end: take a point beside it",
             )
-        return value
+        turned = size_by_angles(slope)
+        return 0.0 if turned and abs(value) <= ANGLE * self.value(turned) else value
 
     def steep(self, e: Expr, where: str) -> tuple[list[str], dict[str, float]]:
         """Return by which names an expression has no finite slope, and its slopes by others."""

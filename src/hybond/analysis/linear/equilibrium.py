@@ -37,6 +37,8 @@ LEAST = 1e-4
 """Part of a step below which it is not shortened any more."""
 SMALL = 1e-6
 """Part of the largest state that the step is at a rest at the most, by rates that are rounding."""
+DUST = 1e-13
+"""Part of the largest move or rate, or of what a state has been, below which one is rounding."""
 STUCK = 4
 """Steps that may make nothing smaller."""
 NEARER = "give start values nearer to it, or linearise at the end of a long run"
@@ -86,6 +88,8 @@ class _Search:
         """What the rate of each state is measured by: the largest seen of its kind around."""
         self.largest = 0.0
         """The largest state seen."""
+        self.seen = np.zeros(len(self.rates))
+        """The largest value that each state has had."""
         self.stuck = 0
         """Steps that made nothing smaller."""
 
@@ -135,6 +139,7 @@ class _Search:
         """Note how large efforts and flows are around each state."""
         graph = self.graph
         self.largest = max(self.largest, float(np.abs(point.state).max(initial=0.0)))
+        self.seen = np.maximum(self.seen, np.abs(point.state))
         for k in range(len(self.sizes)):
             if k < self.stored:
                 s = graph.storages[k]
@@ -183,7 +188,10 @@ class _Search:
         lost = None
         if rank < len(A):
             conserved, free = u[:, rank:].T, vt[rank:].T
-            off = np.abs(conserved.T @ (conserved @ g)) * scale
+            lasting = np.abs(conserved.T @ (conserved @ g))
+            # what is left of the other rates by rounding moves nothing that has not moved yet
+            lasting[lasting <= DUST * np.abs(g).max(initial=0.0)] = 0.0
+            off = lasting * scale
             part = off / np.maximum(self.sizes[kept[still]], 1e-300)
             worst = int(np.argmax(part))
             if part[worst] > HELD:
@@ -198,6 +206,9 @@ class _Search:
                 f"not the only rest: {many} direction{'s' if many > 1 else ''} in which the states "
                 "may be moved; what the motion conserves is as at the start"
             )
+        # what is rounding beside the others waits until they have settled: a body that is at rest
+        # while another state moves stays there, as no rank may hang on
+        d[np.abs(d) <= DUST * np.abs(d).max(initial=0.0)] = 0.0
         move[still] = d * scale
         return move, notes, lost
 
@@ -211,7 +222,10 @@ class _Search:
         why: HybondError | None = None
         while part > LEAST:
             try:
-                trial = self._settled(point.state + part * direction, point.mode)
+                ahead = point.state + part * direction
+                # a state that goes to zero arrives there: a modulus may be a multiple of it
+                ahead[np.abs(ahead) <= DUST * self.seen] = 0.0
+                trial = self._settled(ahead, point.mode)
             except HybondError as error:
                 why = error
                 part /= 2.0

@@ -17,7 +17,7 @@ from hybond.engine.mode.digits.reach import reach_at
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.dynamic_rows import frozen_at
 from hybond.engine.mode.nonlinear.newton import known_of
-from hybond.engine.mode.nonlinear.newton_system import by_power, split, take_rank
+from hybond.engine.mode.nonlinear.newton_system import by_power, part_of_unit, split, take_rank
 from hybond.engine.mode.rows.storage import coupled, own_stiffness, with_stored
 from hybond.engine.model import Model
 from hybond.engine.words import Floats
@@ -218,6 +218,8 @@ def turn_left(e: Engine, mode: Mode) -> None:
                 share += d.v[a * many + i] * w.left_before.at[i * w.lefts + j]
             for i in range(many):
                 w.left.at[i * w.lefts + j] -= share * d.v[a * many + i]
+        for i in range(many):
+            w.left.at[i * w.lefts + j] = part_of_unit(many, w.left.at[i * w.lefts + j])
 
 
 def constraint_by_co_energy(e: Engine, mode: Mode, i: int, n: int) -> None:

@@ -278,7 +278,16 @@ def split(e: Engine, mode: Mode, v: Floats) -> None:
         for j in range(rank):
             work.onto.at[i * rank + j] = d.v[j * many + i]
         for j in range(many - rank):
-            work.left.at[i * (many - rank) + j] = d.v[(rank + j) * many + i]
+            share = d.v[(rank + j) * many + i]
+            work.left.at[i * (many - rank) + j] = part_of_unit(many, share)
+
+
+def part_of_unit(many: int, share: float) -> float:
+    """Return an entry of a null vector of `many` rows, of length one; what is rounding is zero.
+
+    Left as an entry, it would count the effort of a weight as a part of a speed.
+    """
+    return share if math.fabs(share) > many * EPSILON else 0.0
 
 
 def put_structure(e: Engine, mode: Mode, v: Floats) -> None:
