@@ -254,8 +254,6 @@ def carry_step(e: Engine, r: Run, c: Carrier) -> None:
     s.long_free = carry_whole(c, s.long_free)
     s.looked = carry_whole(c, s.looked)
     carry_floats(c, e.states, s.looked_at)
-    s.swung = carry_whole(c, s.swung)
-    carry_floats(c, e.states, s.swung_at)
     carry_floats(c, PACES, s.pace)
     s.began = carry_number(c, s.began)
     carry_copy(c, e.states, s.y0, r.warm_y)

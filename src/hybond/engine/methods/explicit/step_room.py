@@ -76,11 +76,6 @@ class Step:
     looked: int
     """Steps since it was seen how far they have led from `looked_at`."""
     looked_at: Floats
-    swung: int
-    """How often a guard came to hold, and nothing had gone far from `swung_at`."""
-    swung_at: Floats
-    swung_by: Floats
-    """How far that would be: tolerances."""
     k: Floats
     weight: Floats
     """Of each stage in a sum of them."""
@@ -140,8 +135,6 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.f = floats(n)
     s.k = floats(7 * n)
     s.looked_at = floats(n)
-    s.swung_at = floats(n)
-    s.swung_by = floats(n)
     s.weight = floats(7)
     s.pace = floats(PACES)
     s.dense = floats(4 * n)

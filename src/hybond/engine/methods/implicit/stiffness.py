@@ -16,10 +16,6 @@ current of a diode that charges a small capacitor is all that is left of it, and
 with such a step: the diode would block and conduct in turn. So steps in which a guard came to hold
 count for more.
 
-Where guards come to hold by nothing but the errors of steps, see `methods/tolerances/lately`, a
-motion is stiff whatever steps look like: a current that follows the root of next to nothing is far
-less steep as far as they reach than where it ought to stay.
-
 What was counted outlives events: a motion that switches every few steps is stiff all the same.
 
 Sources: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.2 (DOPRI5); L.
@@ -37,7 +33,6 @@ from hybond.engine.method_numbers import AUTO
 from hybond.engine.methods.implicit.radau import begin_radau
 from hybond.engine.methods.implicit.radau_room import Radau, make_radau
 from hybond.engine.methods.linear.flow_records import LARGE
-from hybond.engine.methods.tolerances.lately import swings_count
 from hybond.engine.methods.tolerances.scale import error_norm, forget_settling
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import field
@@ -106,8 +101,6 @@ def watch_cut(e: Engine) -> None:
         s.bound += CUT
         s.turns = s.turns or s.bound >= ROW
     s.past_rim = False
-    if swings_count(e) and e.model.method == AUTO and not s.implicit and e.states <= LARGE:
-        s.turns = True
 
 
 def leads_nowhere(e: Engine) -> bool:

@@ -7,10 +7,6 @@ A state that has become small and loses less than half of that stays there: what
 size from now on. So a voltage of 1 V that was 1 MV once has the digits of 1 V, what rings down to
 nothing is not followed forever, and what swings is not measured by its zeros. None of this has a
 scale of its own, of time or of size.
-
-Where a guard comes to hold time and again, and nothing has gone far since the first time, nobody
-can tell the motion from the errors of its steps: what rests a little beside zero would be led past
-zero by each of them. There the sizes are at once those of the present state.
 """
 
 from __future__ import annotations
@@ -18,12 +14,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import Engine
-from hybond.engine.method_numbers import AUTO, EXACT
-from hybond.engine.methods.tolerances.scale import measure_anew, tolerance
+from hybond.engine.method_numbers import AUTO
+from hybond.engine.methods.tolerances.scale import measure_anew
 from hybond.engine.mode.rows.storage import own_stiffness
-from hybond.engine.words import Floats
 
 NEAR: Final = 0.9
 """Part of its size from which on a state is about as large as that."""
@@ -47,11 +41,6 @@ SOON: Final = 1e-4
 LEAST: Final = 1e-12
 """Part of the largest value ever below which no size is: what is left there may be rounding."""
 
-SWINGS: Final = 32
-"""How often a guard comes to hold like that."""
-SWINGS_WITHIN: Final = 64.0
-"""Tolerances that are not far."""
-
 
 def follow_sizes(e: Engine) -> None:
     """Learn from the state at the beginning of a step. Once or twice is the same.
@@ -65,12 +54,7 @@ def follow_sizes(e: Engine) -> None:
     y = e.step.y
     t = e.step.t
     forgets = False
-    at_once = e.step.swung >= SWINGS and not is_far(e, y)
-    if e.step.swung >= SWINGS or (e.step.swung > 0 and is_far(e, y)):
-        e.step.swung = 0
     for k in range(e.states):
-        if at_once:
-            forgets = forget_size(e, k, t, math.fabs(y[k])) or forgets
         forgets = follow_size(e, k, t, math.fabs(y[k])) or forgets
     v = e.work.values
     for k in range(m.storages):
@@ -81,8 +65,6 @@ def follow_sizes(e: Engine) -> None:
     for k in range(m.storages):
         energy[e.storage_part[k]] += math.fabs(own_stiffness(m, k, v)) * y[k] * y[k]
     for i in range(e.parts):
-        if at_once and energy[i] < math.inf:
-            forgets = forget_size(e, e.states + i, t, math.sqrt(0.5 * energy[i])) or forgets
         if energy[i] < math.inf:
             forgets = follow_size(e, e.states + i, t, math.sqrt(0.5 * energy[i])) or forgets
     if forgets and e.slide.k == 0:
@@ -114,7 +96,8 @@ def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
         doubtful = k < e.states and most <= DOUBTFUL * e.model.rtol * s[k]
         if doubtful and e.step.t1 - e.step.t0 < BUSY * since:
             return False
-        least = least_size(e, k)
+        ever = e.largest_state[k] if k < e.states else math.sqrt(e.scale_energy[k - e.states])
+        least = max(STAGE * s[k], LEAST * ever)
         if s[k] <= least:
             return False
         s[k] = max(max(before, most), least)
@@ -127,50 +110,3 @@ def follow_size(e: Engine, k: int, t: float, now: float) -> bool:
     s[3 * n + k] = t  # which are counted from here,
     s[4 * n + k] = t  # and end there
     return forgets
-
-
-def least_size(e: Engine, k: int) -> float:
-    """Return the least that is left at once of a size."""
-    ever = e.largest_state[k] if k < e.states else math.sqrt(e.scale_energy[k - e.states])
-    return max(STAGE * e.lately[k], LEAST * ever)
-
-
-def forget_size(e: Engine, k: int, t: float, now: float) -> bool:
-    """Forget at `t` what was larger; whether something was."""
-    n = e.states + e.model.storages + 1
-    s = e.lately
-    size = max(now, least_size(e, k))
-    if not size < s[k]:
-        return False
-    s[k] = size
-    s[n + k] = now
-    s[2 * n + k] = size
-    s[3 * n + k] = t
-    s[4 * n + k] = t
-    return True
-
-
-def swings_count(e: Engine) -> bool:
-    """Learn from a step that ends where a guard came to hold; whether steps lead to and fro.
-
-    What is propagated has no such errors.
-    """
-    s = e.step
-    propagates = e.model.method == AUTO or e.model.method == EXACT
-    if e.model.method > AUTO or (propagates and e.exact.on):
-        s.swung = 0
-        return False
-    if s.swung == 0:
-        copy_floats(e.states, s.y1, s.swung_at)
-    s.swung = 0 if is_far(e, s.y0) or is_far(e, s.y1) else s.swung + 1
-    return s.swung >= SWINGS
-
-
-def is_far(e: Engine, y: Floats) -> bool:
-    """Whether a state is far from where a guard came to hold first."""
-    s = e.step
-    tolerance(e, y, y, s.swung_by)
-    for k in range(e.states):
-        if math.fabs(y[k] - s.swung_at[k]) > SWINGS_WITHIN * s.swung_by[k]:
-            return True
-    return False
