@@ -62,6 +62,7 @@ class Following:
     """... and what is known where the step begins, where it ends, and at the last point."""
     square: Block
     parts: Block
+    row_size: Block
     part_from: Places
     chosen: Places
     product: Block
@@ -96,6 +97,7 @@ def make_following() -> Following:
     f.known_here = make_block(1)
     f.square = make_block(1)
     f.parts = make_block(1)
+    f.row_size = make_block(1)
     f.part_from = make_places(1)
     f.chosen = make_places(1)
     f.product = make_block(1)

@@ -1,8 +1,8 @@
 """Whether the laws of a mode may have several solutions.
 
 A law that is alone with its unknown has one if what is left of it has slopes of one sign, whatever
-it reads. Of laws that hang together that is told by the signs of their slopes (`one_root`); where
-those are many, by whether each of them, a law of one bond, resists. Ranges tell a sign, or else
+it reads. Of laws that hang together that is told by the signs of their slopes (`one_root`), or else
+by whether each of them, a law of one bond, resists. Ranges tell a sign, or else
 slopes at numbers of all sizes.
 Laws that jump, and those that hide constraints, are not asked: they are as if they had one.
 """
@@ -16,7 +16,6 @@ from hybond.engine.method_numbers import MOREAU, QSS1
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.followed_records import MAY, NEVER, UNKNOWN
 from hybond.engine.mode.nonlinear.one_root import (
-    MOST,
     has_one_root,
     sign_by_sizes,
     sign_of_slope,
@@ -58,9 +57,11 @@ def is_single(e: Engine, mode: Mode) -> bool:
         begin = a.begins.at[g]
         end = a.begins.at[g + 1]
         alone = end == begin + 1
-        if (alone or end - begin > MOST) and resist(e, mode, begin, end, v):
+        if alone and resist(e, mode, begin, end, v):
             continue
-        if not has_one_root(e, mode, begin, end, v):
+        if has_one_root(e, mode, begin, end, v):
+            continue
+        if alone or not resist(e, mode, begin, end, v):
             return False
     return True
 
