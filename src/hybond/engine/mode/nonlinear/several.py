@@ -54,16 +54,21 @@ def is_single(e: Engine, mode: Mode) -> bool:
     v = e.work.following.values.at
     copy_part(2 * e.model.slots, e.v, 0, v, 0)
     for g in range(a.groups):
-        begin = a.begins.at[g]
-        end = a.begins.at[g + 1]
-        alone = end == begin + 1
-        if alone and resist(e, mode, begin, end, v):
-            continue
-        if has_one_root(e, mode, begin, end, v):
-            continue
-        if alone or not resist(e, mode, begin, end, v):
+        if not is_group_single(e, mode, g, v):
             return False
     return True
+
+
+def is_group_single(e: Engine, mode: Mode, g: int, v: Floats) -> bool:
+    """Whether that is so in one group of laws, none of which jumps."""
+    begin = mode.apart.begins.at[g]
+    end = mode.apart.begins.at[g + 1]
+    alone = end == begin + 1
+    if alone and resist(e, mode, begin, end, v):
+        return True
+    if has_one_root(e, mode, begin, end, v):
+        return True
+    return not alone and resist(e, mode, begin, end, v)
 
 
 def resist(e: Engine, mode: Mode, begin: int, end: int, v: Floats) -> bool:
