@@ -13,7 +13,7 @@ NUMBERS = re.compile(r"at t = (\S+) s .*: -?\S+\.[ef] is (\S+), and (\S+) would 
 
 
 def cubic(drive: str, *, away: bool = False, dual: bool = False) -> hb.Model:
-    """Return ``x^3 - 2*x = drive`` for ``x = G.e``, or ``G.f``, and a storage that feels nothing."""
+    """Return ``x^3 - 2*x = drive`` for ``x = G.e``, or ``G.f``, with a storage apart."""
     m = hb.Model("cubic", domain="electrical")
     if dual:
         m.add(V=hb.Sf(f"({drive})*1 [A]"), z=hb.One(), ic=hb.Zero(), i0=hb.Zero(), C=hb.I("1 H"))
