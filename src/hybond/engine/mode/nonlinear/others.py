@@ -41,6 +41,8 @@ ENDS_OF_ALL: Final = 1e-12
 """... and where they come as near as"""
 NEAR: Final = 1e-6
 """this part of each to the solution that is known."""
+COMES_BACK: Final = 1e-7
+"""Steps have come back that end nearer to it than this part of the way they began at."""
 APART: Final = 0.1
 """How far apart two solutions are, as a part of a variable, ..."""
 APART_OF_ALL: Final = 1e-6
@@ -153,6 +155,7 @@ def leads_elsewhere(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     ended = False
     near = False
     regular = False
+    way = way_from_here(mode, f.root_here.at, r)
     for _ in range(STEPS):
         with_free(mode, n, e.work.base, r, w)
         rows = system(e, mode, v, w)
@@ -177,7 +180,10 @@ def leads_elsewhere(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         ended = damped(e, mode, v, r)
         with_free(mode, n, e.work.base, r, w)
         regular = system(e, mode, v, w) == frees and newton_step(e, frees, frees)
-    if not ended or not is_apart(e, w):
+    # what has come back but for rounding may be anything beside what is zero
+    if not ended or not way_from_here(mode, f.root_here.at, r) > COMES_BACK * way:
+        return False
+    if not is_apart(e, w):
         return False
     # of a steep law the pivots are small parts of others
     if not regular and not least_pivot(frees, e.work.jacobian.at, e.work.jacobian2.at) >= NO_PIVOT:
@@ -187,6 +193,14 @@ def leads_elsewhere(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     held = put_back(e, mode, v, w) and not holds_between(e, mode, v)
     e.work.lost = 0.0
     return held
+
+
+def way_from_here(mode: Mode, here: Floats, r: Floats) -> float:
+    """Return how far the unknown is that is farthest from the solution that is known."""
+    most = 0.0
+    for j in range(mode.finite_frees):
+        most = max(most, math.fabs(r[j] - here[mode.free_column[j]]))
+    return most
 
 
 def is_apart(e: Engine, w: Floats) -> bool:
