@@ -135,3 +135,32 @@ def test_of_a_latch_of_two_inverters_both_states_are_solutions(law: str) -> None
     m.bond("n -> C", "n -> Rc", "P -> p -> Rp", "Q -> q -> Rq")
     ((_, here, there),) = told(hb.simulate(m, 0.1))
     assert here == pytest.approx(0.0, abs=1e-9) and abs(there) == pytest.approx(5.0, rel=1e-5)
+
+
+COMES_BACK = """Comes back to zero
+V1 s 0 -0.0005355471971006938
+Rs s n5 1k
+Rc n5 c 2k
+C1 c 0 1u IC=0
+R0 n1 0 571.1883191172863
+R1 n2 0 17.462275489672646
+R2 n3 n1 17525.108823459468
+R3 n4 0 1193.1785329864902
+R4 n5 0 296.70845521645157
+R5 n2 n4 102.94038953755522
+R6 n2 n3 939.610411124326
+R7 n4 0 100.46133447752842
+R8 n2 n3 1304.910752701021
+B0 n2 n3 I = 0.01*tanh(0.0007394584551668794*V(n2,n4))
+B1 n1 0 V = 12*tanh(1.8147064611159684*V(n3,n2))
+.tran 1u 1m 0 uic
+.end
+"""
+"""Of one volt about its loop at most 0.66 V come back, so that zero is its only solution."""
+
+
+def test_what_comes_back_to_zero_but_for_its_rounding_is_not_told(tmp_path) -> None:
+    """It ended at -3e-321, which is as far from zero as zero is from anything."""
+    path = tmp_path / "back.cir"
+    path.write_text(COMES_BACK)
+    assert told(hb.simulate(hb.read_circuit(path).model, 1e-5)) == []
