@@ -17,7 +17,7 @@ from hybond.engine.mode.nonlinear.branch import know
 from hybond.engine.mode.nonlinear.damped import damped
 from hybond.engine.mode.nonlinear.followed_records import MAY, NEVER, UNKNOWN
 from hybond.engine.mode.nonlinear.newton import level_edges
-from hybond.engine.mode.nonlinear.newton_step import NO_PIVOT, least_pivot, newton_step
+from hybond.engine.mode.nonlinear.newton_step import NO_PIVOT, newton_step
 from hybond.engine.mode.nonlinear.newton_system import (
     largest_of,
     measured_system,
@@ -186,13 +186,24 @@ def leads_elsewhere(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     if not is_apart(e, w):
         return False
     # of a steep law the pivots are small parts of others
-    if not regular and not least_pivot(frees, e.work.jacobian.at, e.work.jacobian2.at) >= NO_PIVOT:
+    if not regular and not has_pivots(e, frees):
         return False
     system(e, mode, v, w)
     copy_part(n, w, 0, f.another.at, 0)
     held = put_back(e, mode, v, w) and not holds_between(e, mode, v)
     e.work.lost = 0.0
     return held
+
+
+def has_pivots(e: Engine, n: int) -> bool:
+    """Whether each pivot of the last step is more than rounding of what cancels in its column."""
+    for k in range(n):
+        most = 0.0
+        for i in range(n):
+            most = max(most, math.fabs(e.work.jacobian.at[i * n + k]))
+        if most == 0.0 or not math.fabs(e.work.jacobian2.at[k * n + k]) >= NO_PIVOT * most:
+            return False
+    return True
 
 
 def way_from_here(mode: Mode, here: Floats, r: Floats) -> float:
