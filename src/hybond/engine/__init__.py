@@ -62,6 +62,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             led_up          from nothing known to all that is
             enclosed        one law alone, between two signs
             several, one_root    whether laws may have several solutions
+            others          another one, looked for
             branch, followed_records    the one that a motion follows: where Newton's method begins
             beside_jumps, level    solutions just beside a jump; what is rounding of what is known
             put_back, agreement    whether a solution holds; whether sources agree
@@ -214,6 +215,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         phases              how phases of the plant go on, such as the angle of a flywheel
         courses_kept        what is known of both, for a run that goes on
         roots_followed      which of several solutions of laws goes on, and where it ends
+        others_told         that there is another one, where nothing says which, or none is followed
         struck_at_kink      sources that jump onto a contact
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest

@@ -78,6 +78,11 @@ class Trial:
     """The impulse of each signal: zero unless it `jumps`."""
     terms: Floats
     """The size of the terms that made each signal that a guard asked for."""
+    prior_terms: Floats
+    """Of what it was before, ..."""
+    prior_turn: Ints
+    turn: int
+    """... since that turn; each time that what ``pre()`` reads becomes another, one begins."""
     valueless: bool
     """Whether its laws had no common solution."""
     loose: int
@@ -298,6 +303,8 @@ def make_trial(m: Model) -> Trial:
     trial.xi = floats(m.storages + 2 * m.most_sources)
     trial.jump = floats(m.slots)
     trial.terms = floats(m.slots)
+    trial.prior_terms = floats(m.slots)
+    trial.prior_turn = ints(m.slots)
     trial.freedom = make_block(1)
     trial.was_freedom = make_block(1)
     trial.settled_at = 0.0

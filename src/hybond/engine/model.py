@@ -63,8 +63,7 @@ class Model:
     atom_first: Ints  # of each rule: the differences of its comparisons
     atom_value: Ints
     atom_size: Ints
-    atom_zero: Ints
-    """The side of zero on which a comparison has the truth that it has at zero: 1 or -1."""
+    atom_zero: Ints  # the side of zero, 1 or -1, on which a comparison has its truth at zero
     term_first: Ints
     """Of each, then of rates of signals: what it is a sum of, with `atom_level`; slot -1: none."""
     term_slot: Ints
@@ -74,8 +73,7 @@ class Model:
     tells: int  # 1: what explains an event is written down with it
     told_first: Ints  # of each rule: the pairs that show what its guard reads
     told_pair: Ints
-    givers: int
-    """Sources that can give energy at a jump: their own bond variable, the other, a sign."""
+    givers: int  # sources that can give energy at a jump: their bond variable, the other, a sign
     giver_own: Ints
     giver_other: Ints
     giver_sign: Floats
@@ -129,8 +127,7 @@ class Model:
     dynamic_jumps: Ints  # 1: a law that jumps where what it reads is zero, 2: bends or is flat
     dynamic_breaks: Ints  # whether it may jump anywhere
     dynamic_fixed: Ints  # whether it reads nothing but bond variables, and its slopes are numbers
-    dynamic_free: Ints
-    """The first of the bond variables that it forbids to carry an impulse; then the next row's."""
+    dynamic_free: Ints  # the first of the bond variables that it forbids to carry an impulse
     free_column: Ints
     law_reads: Ints  # of each row: the first of the bond variables that it reads, ...
     law_column: Ints  # ... whether it has a slope by them or not
@@ -142,6 +139,10 @@ class Model:
     flats: int  # how many are
     curved: int  # how many laws have slopes that read bond variables
     slope_sign: Ints  # that a slope has whatever its law reads, 1 or -1; 0 if none is told
+    slope_like: Ints  # the first slope of its row that is `beside` and `times` the same, ...
+    slope_like_sign: Ints  # ... and the sign of that: 1, -1 or 0
+    slope_times: Floats
+    slope_beside: Floats
     slope_isolated: Ints  # by the one variable that it reads: whether one is zero at points alone
     frozen_first: Ints
     """Slopes with moduli held: what the structure is at an instant."""
@@ -165,8 +166,7 @@ class Model:
     source_rate: Ints  # -1: zero
     source_linear: Ints  # whether the rate does not read bond variables
     source_curved: Ints  # whether the slopes of the rate read bond variables
-    source_bent: Ints
-    """Whether the value is no linear function of what is stored and of bond variables."""
+    source_bent: Ints  # whether the value is not linear in what is stored and bond variables
     source_size: Ints
     """What the magnitudes of all its terms add up to, where it has kinks; -1: it has none."""
     source_timed: Ints  # whether the value depends on time and inputs only

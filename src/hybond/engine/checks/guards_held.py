@@ -66,6 +66,7 @@ def holds_clearly(e: Engine, r: int, times: float) -> bool:
     stack.jump = v
     stack.jumps = False
     stack.terms = e.work.terms
+    stack.prior_terms = e.work.terms
     true = holds_from(m, r, stack, e.rests.within[r])
     return true and stack.refused == 0
 

@@ -41,8 +41,8 @@ class Stack:
 
     Entry k of `finite`, `impulse`, `before`, `size` and `impulse_size` is one pair; `top` is the
     last one. Signal k is now ``now[k]`` and was ``was[was_first + k]``; it carries the impulse
-    ``jump[k]`` if `jumps`, and ``terms[k]`` is the size of the terms that made it. Comparisons
-    past zero by no more than `level` count as zero.
+    ``jump[k]`` if `jumps`, and ``terms[k]`` is the size of the terms that made it,
+    ``prior_terms[k]`` of those that made what it was. Comparisons past zero by no more than `level` count as zero.
     """
 
     finite: Floats
@@ -58,6 +58,7 @@ class Stack:
     jump: Floats
     jumps: bool
     terms: Floats
+    prior_terms: Floats
     level: float
 
 
@@ -109,7 +110,7 @@ def push_signal(s: Stack, k: int) -> None:
 def push_prior(s: Stack, k: int) -> None:
     """Put what signal k was on top."""
     b = s.was[s.was_first + k]
-    push(s, b, 0.0, b, max(math.fabs(b), s.terms[k]))
+    push(s, b, 0.0, b, max(math.fabs(b), s.prior_terms[k]))
 
 
 def pop_truth(s: Stack) -> bool:

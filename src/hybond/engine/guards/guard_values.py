@@ -352,6 +352,7 @@ def ask_in_motion(e: Engine) -> None:
     stack.jump = e.v
     stack.jumps = False
     stack.terms = e.work.terms
+    stack.prior_terms = e.work.terms
 
 
 def see_where_it_begins(e: Engine) -> None:

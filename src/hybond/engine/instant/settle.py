@@ -156,6 +156,7 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     g.marked = False
     hold_before(e, t, e.model.timed_jumps)
     known = a_priori(e, t, g.x, g.s, g.state) == OK
+    e.trial.turn += 1
     for k in range(2 * m.bonds if m.laws > 0 and e.laws.bonds_noted else 0):
         # the state is behind a kink at which a source jumps
         e.pre[m.bond_slot + k] = e.laws.bonds_before[k]
@@ -255,6 +256,7 @@ def go_on_from_written(e: Engine, g: Settling, t: float, still: bool) -> int:
     elif enter(e, t, g.x, g.s, g.state, False, True) != OK:
         return REFUSED
     copy_part(m.slots, e.v, 0, e.pre, 0)
+    e.trial.turn += 1
     keep_as_before(e, e.trial.loose, e.trial.freedom.at)
     if known and not acts_on_prior(e, still):
         show_prior(e)

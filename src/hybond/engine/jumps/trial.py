@@ -227,11 +227,23 @@ def show_trial(e: Engine, stack: Stack) -> None:
     stack.jump = e.trial.jump
     stack.jumps = e.trial.jumps
     stack.terms = e.trial.terms
+    stack.prior_terms = e.trial.prior_terms
 
 
 def measure_trial(e: Engine, pair: int) -> None:
-    """Find what rounding of the signals that a pair reads is measured by in the trial."""
-    measure(e, e.mode, pair, e.trial.xi, e.v, e.trial.terms)
+    """Find what rounding of the signals that a pair reads is measured by in the trial.
+
+    What they were before is measured in the first trial that asks: it stays what it was, and so do
+    its digits, whatever the modes are that follow.
+    """
+    m = e.model
+    trial = e.trial
+    measure(e, e.mode, pair, trial.xi, e.v, trial.terms)
+    for i in range(m.read_first[pair], m.read_first[pair + 1]):
+        slot = m.read_slot[i]
+        if trial.prior_turn[slot] != trial.turn:
+            trial.prior_turn[slot] = trial.turn
+            trial.prior_terms[slot] = trial.terms[slot]
 
 
 def find_floor(e: Engine, x: Floats) -> None:

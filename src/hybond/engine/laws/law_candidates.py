@@ -195,6 +195,7 @@ def find_broken(e: Engine, r: Laws) -> int:
     stack.was_first = 0
     stack.jumps = False
     stack.terms = e.trial.terms
+    stack.prior_terms = e.trial.terms
     r.broken = 0
     for k in range(m.machines):
         if m.is_law[k] == 0:

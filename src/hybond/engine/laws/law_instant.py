@@ -121,6 +121,7 @@ def find_able(e: Engine, r: Laws) -> int:
     stack.was_first = 0
     stack.jumps = False
     stack.terms = r.terms
+    stack.prior_terms = r.terms
     for k in range(m.ports if r.reach_t != r.t else 0):
         r.reach[k] = 0.0
     r.reach_t = r.t
@@ -172,6 +173,7 @@ def evaluate_gap(e: Engine, r: Laws, k: int, v: Floats) -> None:
     stack.was_first = 0
     stack.jumps = False
     stack.terms = r.terms
+    stack.prior_terms = r.terms
     measure_values(e.model, e.model.port_gap_pair[k], v, r.terms)
     clear(stack)
     evaluate_pair(e.model, e.model.port_gap_pair[k], stack)

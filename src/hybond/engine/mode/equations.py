@@ -245,6 +245,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     read_rates(e, mode, mode.rates)
     mode.guessed = False
     mode.branch.several = UNKNOWN
+    mode.branch.others = UNKNOWN
     mode.branch.known = False
     mode.branch.basis += 1
     mode.looks = 0

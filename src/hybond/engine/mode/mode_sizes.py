@@ -29,7 +29,7 @@ def numbers_of(m: Model, mode: Mode) -> float:
     a = mode.apart
     total += 0.5 * float(3 * a.begins.size + a.row.size + a.unknown.size + a.read.size)
     b = mode.branch
-    total += float(b.when.size + b.root.size + b.own.size)
+    total += float(b.when.size + b.root.size + b.own.size) + 0.5 * float(b.open_unknown.size)
     p = mode.leakage
     total += float(p.basis.size + p.taken.size + p.basis2.size + p.taken2.size)
     ways = mode.ways

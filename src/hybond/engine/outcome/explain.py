@@ -227,6 +227,15 @@ class Explaining:
         """Return the machine of a rule."""
         return self._ruled[rule]
 
+    def bond_variable(self, k: int) -> str:
+        """Return the name of bond variable k: that of a port, or of a junction that it is at."""
+        bonds = len(self.graph.bonds)
+        bond = self.graph.bonds[k % bonds]
+        nodes = [self.graph.nodes[end] for end in (bond.tail, bond.head)]
+        variable = "e" if k < bonds else "f"
+        ports = [n for n in nodes if not n.is_junction and not n.hidden and len(n.ends) == 1]
+        return f"{ports[0].path}.{variable}" if ports else f'"{bond.name}".{variable}'
+
     def guard_on_open(self, rule: int, when: int, free: Sequence[int], mode: Mode) -> str:
         """Say that a guard reads what the equations of a mode leave open: variables `free`.
 

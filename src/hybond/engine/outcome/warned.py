@@ -9,7 +9,7 @@ import numpy as np
 
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.outcome.explain import SLIDING, Explaining
-from hybond.engine.outcome.unsound import violation
+from hybond.engine.outcome.unsound import LOOP, violation
 from hybond.engine.tables.contacts import contacts_of
 from hybond.model.graph import FlatGraph, Mode
 from hybond.runs.trace import Violation
@@ -22,7 +22,7 @@ NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
-GUARD_AT_REST, UNRESOLVED, ROOT = 22, 23, 24
+GUARD_AT_REST, UNRESOLVED, ROOT, ANOTHER = 22, 23, 24, 25
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -56,6 +56,14 @@ LEFT_OUT = (
     "if it is finite, else put what limits the impulse into the model",
 )
 """What a source is taken for in a jump: as in `hybond.engine.instant.left_out`."""
+TAKES = (
+    "nothing says which, and the run goes on by the one that Newton's method came to",
+    "this solver follows none of them: it may go over from one to another",
+    "none of them is followed along surfaces: the run may go over from one to another",
+    "of laws that jump, and beside hidden constraints, none is followed: the run may go over from "
+    "one to another",
+)
+"""What a run does where there are several solutions: as in `hybond.engine.run.others_told`."""
 REBOUND = "its rebounds do not vanish"
 
 
@@ -245,6 +253,8 @@ class Warnings:
             return self._of_rest(now, numbers[0], numbers[1] != 0, *about[2:])
         if kind == UNRESOLVED:
             return self._of_unresolved(now, numbers[0], *about[1:])
+        if kind == ANOTHER:
+            return self._of_another(now, *numbers[:3], *about[3:])
         if kind == FAR_APART:
             return self._far_apart(about[0], tuple(numbers[1:]))
         return self._of_surfaces(kind, now, numbers)
@@ -258,6 +268,17 @@ class Warnings:
             f"of what it reads: what {found.path} stores is within that, but its {rate} is off by "
             f"{off:.2g} (of {size:.2g} at most), and so is what the law says; a smaller rtol makes "
             "it less, a larger C or I beside that law ends it"
+        )
+
+    def _of_another(
+        self, now: str, why: int, element: int, variable: int, here: float, there: float
+    ) -> str:
+        """Say that laws have another solution than the one that the run goes by."""
+        name = self.explain.bond_variable(variable)
+        return (
+            f"HB-N416: {now} the laws around {self.graph.nodes[self._elements[element]].path} have "
+            f"more than one solution: {name} is {here:.6g}, and {there:.6g} would do as well; "
+            f"{TAKES[why]}; {LOOP}"
         )
 
     def _of_unresolved(self, now: str, rule: int, carried: float, rounding: float) -> str:

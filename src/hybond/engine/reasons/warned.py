@@ -78,6 +78,10 @@ ROOT: Final = 24
 """No warning: of laws with several solutions, a point of the one that is followed, for who looks
 into the motion. Numbers: all bond variables."""
 
+ANOTHER: Final = 25
+"""Laws have another solution than the one taken. Numbers: why it is said, an element, a bond
+variable, what that is and what it might be; said once of each kind of why."""
+
 
 @record
 class Warned:

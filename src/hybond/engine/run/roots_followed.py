@@ -36,6 +36,7 @@ from hybond.engine.mode.rows.storage_bonds import rate_bond
 from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.reasons.noting import ENDS, MANY, note_violation
 from hybond.engine.reasons.warned import ROOT, add_about, begin_warning
+from hybond.engine.run.others_told import is_as_before, see_chosen, see_left
 from hybond.engine.surfaces.values import set_motion
 from hybond.engine.words import Floats
 
@@ -69,7 +70,10 @@ def begin_to_follow(e: Engine, again: bool) -> None:
     """
     mode = e.mode
     b = mode.branch
-    if e.root_given or e.root_known != 0.0:
+    e.work.following.jumped_at = math.inf
+    given = e.root_given
+    came = given or e.root_known != 0.0
+    if came:
         # what another run hands on, or what was followed before an event
         keep_guess(mode, e.root_before if again and e.root_given else e.root_now)
     e.root_given = False
@@ -77,9 +81,11 @@ def begin_to_follow(e: Engine, again: bool) -> None:
     # what a run moves by that is unsound already is nothing to follow
     b.known = False
     if e.slide.k > 0 or e.checks.violated > 0:
+        see_left(e)
         return
     set_motion(e, e.v, e.t, e.y)
     if not may_have_several(e, mode):
+        see_left(e)
         return
     if b.points > 0 and (e.t < b.when.at[0] or e.t > b.when.at[b.points - 1]):
         forget_points(mode)
@@ -89,7 +95,10 @@ def begin_to_follow(e: Engine, again: bool) -> None:
     b.points = 0
     if b.known:
         put_point(e, mode, e.t)
+        came = given or (came and is_as_before(e, e.root_now))
         keep_root(e)
+        if not came:
+            see_chosen(e)
 
 
 def solves_at(e: Engine, t: float, y: Floats) -> bool:
@@ -106,6 +115,7 @@ def follow_roots(e: Engine) -> None:
     s = e.step
     mode = e.mode
     b = mode.branch
+    e.work.following.jumped_at = math.inf
     b.known = b.known and e.checks.violated == 0
     if not b.known or e.slide.k > 0:
         return
@@ -141,6 +151,7 @@ def follow_roots(e: Engine) -> None:
             part *= 2.0
         elif shortest and jumps(e, mode, t):
             e.work.following.rated = False
+            e.work.following.jumped_at = t
             gone = t
             part *= 2.0
             if e.model.laws > 0:
@@ -390,6 +401,7 @@ def note_roots(e: Engine) -> None:
     """Tell of the solution up to where the motion is, and note it if that is beyond its end."""
     b = e.mode.branch
     if not b.known:
+        see_left(e)
         return
     n = 2 * e.model.bonds
     for p in range(1, b.points):
@@ -398,6 +410,8 @@ def note_roots(e: Engine) -> None:
             tell_root(e, b.when.at[p])
     if solves_at(e, e.t, e.y):
         keep_root(e)
+        if e.t >= e.work.following.jumped_at:
+            see_chosen(e)
     see_end(e)
 
 

@@ -52,6 +52,7 @@ from hybond.engine.reasons.warned import (
 )
 from hybond.engine.run.courses_ahead import watch_courses
 from hybond.engine.run.log import keep_left, report_event, report_step
+from hybond.engine.run.others_told import see_left_by_steps
 from hybond.engine.run.run_records import (
     PAUSED,
     STOPPED,
@@ -130,6 +131,7 @@ def make_step(e: Engine, r: Run, t1: float, h: float) -> int:
     write_point(e, e.shown, e.t, e.y, s.w)
     if vary and check_limits(e, e.t, e.shown) != OK:
         return REFUSED
+    see_left_by_steps(e, s.w)
     warn_of_shares(e, s)
     if m.laws > 0 and hold_gaps(e, e.shown) != OK:
         return REFUSED

@@ -110,4 +110,5 @@ def holds_led(e: Engine, j: int, rule: int) -> bool:
     stack.jump = s.led
     stack.jumps = False
     stack.terms = s.led_terms
+    stack.prior_terms = s.led_terms
     return holds(m, rule, stack) and stack.refused == 0

@@ -13,6 +13,7 @@ from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
 from hybond.equations.isolated import isolated
+from hybond.equations.multiples import Multiple, multiples
 from hybond.equations.one_sign import one_sign
 from hybond.equations.rounding import rounding, rounding_of_law
 from hybond.equations.surfaces import moves
@@ -190,6 +191,21 @@ def is_flat_on_a_stretch(slope: Expr) -> bool:
     return False
 
 
+def _multiples(t: ModelTables, rows: list[Dynamic]) -> None:
+    """Put which slopes of a row are multiples of one that stands before them, and by how much."""
+    like: list[int] = []
+    found: list[Multiple] = []
+    for d in rows:
+        own = [e for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])]
+        begin = len(found)
+        found += multiples(own)
+        like += [begin + part.like for part in found[begin:]]
+    t.ints["slope_like"] = like
+    t.ints["slope_like_sign"] = [part.sign for part in found]
+    t.floats["slope_times"] = [part.times for part in found]
+    t.floats["slope_beside"] = [part.beside for part in found]
+
+
 def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
     g = t.graph
     first = t.slots.w.start
@@ -242,6 +258,7 @@ def _dynamics(t: ModelTables, rows: list[Dynamic]) -> None:
         for d in rows
         for _, e in sorted(d.slopes.items(), key=lambda item: t.slots.index[item[0]])
     ]
+    _multiples(t, rows)
     t.numbers["curved"] = t.ints["dynamic_affine"].count(0)
     t.numbers["flats"] = sum(t.ints["slope_flat"])
     t.ints["slope_isolated"] = [

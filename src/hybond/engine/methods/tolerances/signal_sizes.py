@@ -58,6 +58,7 @@ def measure_rates(e: Engine, mode: Mode, t: float) -> None:
         stack.jump = e.trial.jump
         stack.jumps = False
         stack.terms = e.work.terms
+        stack.prior_terms = e.work.terms
         clear(stack)
         measure(e, mode, pair, e.work.xi, e.v, e.work.terms)
         for i in range(m.read_first[pair], m.read_first[pair + 1]):

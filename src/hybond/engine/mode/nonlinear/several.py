@@ -1,8 +1,8 @@
 """Whether the laws of a mode may have several solutions.
 
 A law that is alone with its unknown has one if what is left of it has slopes of one sign, whatever
-it reads. Of laws that hang together that is told by the signs of their slopes (`one_root`); where
-those are many, by whether each of them, a law of one bond, resists. Ranges tell a sign, or else
+it reads. Of laws that hang together that is told by the signs of their slopes (`one_root`), or else
+by whether each of them, a law of one bond, resists. Ranges tell a sign, or else
 slopes at numbers of all sizes.
 Laws that jump, and those that hide constraints, are not asked: they are as if they had one.
 """
@@ -16,7 +16,6 @@ from hybond.engine.method_numbers import MOREAU, QSS1
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.followed_records import MAY, NEVER, UNKNOWN
 from hybond.engine.mode.nonlinear.one_root import (
-    MOST,
     has_one_root,
     sign_by_sizes,
     sign_of_slope,
@@ -55,14 +54,21 @@ def is_single(e: Engine, mode: Mode) -> bool:
     v = e.work.following.values.at
     copy_part(2 * e.model.slots, e.v, 0, v, 0)
     for g in range(a.groups):
-        begin = a.begins.at[g]
-        end = a.begins.at[g + 1]
-        alone = end == begin + 1
-        if (alone or end - begin > MOST) and resist(e, mode, begin, end, v):
-            continue
-        if not has_one_root(e, mode, begin, end, v):
+        if not is_group_single(e, mode, g, v):
             return False
     return True
+
+
+def is_group_single(e: Engine, mode: Mode, g: int, v: Floats) -> bool:
+    """Whether that is so in one group of laws, none of which jumps."""
+    begin = mode.apart.begins.at[g]
+    end = mode.apart.begins.at[g + 1]
+    alone = end == begin + 1
+    if alone and resist(e, mode, begin, end, v):
+        return True
+    if has_one_root(e, mode, begin, end, v):
+        return True
+    return not alone and resist(e, mode, begin, end, v)
 
 
 def resist(e: Engine, mode: Mode, begin: int, end: int, v: Floats) -> bool:
