@@ -42,7 +42,8 @@ class Stack:
     Entry k of `finite`, `impulse`, `before`, `size` and `impulse_size` is one pair; `top` is the
     last one. Signal k is now ``now[k]`` and was ``was[was_first + k]``; it carries the impulse
     ``jump[k]`` if `jumps`, and ``terms[k]`` is the size of the terms that made it,
-    ``prior_terms[k]`` of those that made what it was. Comparisons past zero by no more than `level` count as zero.
+    ``prior_terms[k]`` of those that made what it was. Comparisons past zero by no more than
+    `level` count as zero.
     """
 
     finite: Floats
