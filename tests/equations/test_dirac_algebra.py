@@ -33,6 +33,7 @@ def evaluated(text: str, *pairs: Pair) -> Stack:
     s.now, s.jump, s.was = ([p[k] for p in pairs] for k in range(3))
     s.was_first, s.jumps = 0, True
     s.terms = [abs(p[0]) for p in pairs]
+    s.prior_terms = s.terms
     clear(s)
     run_pair_code(code.instructions, begin, code.numbers, s)
     return s

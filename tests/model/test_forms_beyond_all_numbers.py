@@ -69,6 +69,7 @@ def test_a_form_has_its_value_wherever_that_is_a_number(text: str) -> None:
     for x, on_array in zip(AT, np.broadcast_to(on_arrays, len(AT)), strict=True):
         s = make_stack()
         s.now, s.was, s.jump, s.terms = [x], [x], [0.0], [abs(x)]
+        s.prior_terms = s.terms
         clear(s)
         run_pair_code(code.instructions, paired, code.numbers, s)
         as_numbers = run_code(code.instructions, plain, code.numbers, [x, x], [0.0] * DEEPEST)
@@ -115,6 +116,7 @@ def test_what_is_beyond_all_numbers_is_more_than_one_that_is_not() -> None:
     ):
         s = make_stack()
         s.now, s.was, s.jump, s.terms = [800.0], [800.0], [0.0], [800.0]
+        s.prior_terms = s.terms
         clear(s)
         run_pair_code(code.instructions, code.add(parse(text), paired=True), code.numbers, s)
         assert (s.finite[s.top] != 0.0) is holds, text

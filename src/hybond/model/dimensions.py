@@ -171,11 +171,11 @@ def instead_of(name: str, known: list[str]) -> str:
         return "the time is named time"
     if name in TIMERS:
         return TIMERS[name]
-    own = sorted(k for k in known if k.startswith(f"{name}."))
-    if own and "." not in name:
+    own = sorted({k for k in known if k.startswith(f"{name}.")} if "." not in name else ())
+    hint = f"did you mean {', '.join(map(repr, own[:3]))}?" if own else did_you_mean(name, known)
+    if own and name not in _COMPOUND:
         # an element, which is no value: one of its values is meant
-        return f"did you mean {', '.join(map(repr, own[:3]))}?"
-    hint = did_you_mean(name, known)
+        return hint
     try:
         parse_unit(name)
     except UnitError:

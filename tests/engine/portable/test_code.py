@@ -73,6 +73,7 @@ def stack_with(draw: random.Random, n: int) -> Stack:
     s.jump = [draw.gauss(0.0, 1.0) if draw.random() < 0.3 else 0.0 for _ in range(n)]
     s.jumps = True
     s.terms = [abs(x) + abs(draw.gauss(0.0, 1.0)) for x in s.now]
+    s.prior_terms = s.terms
     clear(s)
     return s
 

@@ -98,6 +98,7 @@ def test_pairs_read_what_is_said_and_nothing_else(engine):
         for other in (v, [x if k in read else math.nan for k, x in enumerate(v[: m.slots])]):
             stack.now = stack.was = list(other)
             stack.terms = [abs(x) for x in stack.now]
+            stack.prior_terms = stack.terms
             told.append(holds(m, rule, stack))
             told.append(stack.refused)
             twice = [*stack.now[: m.slots], *stack.now[: m.slots]]
