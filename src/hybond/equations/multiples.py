@@ -11,7 +11,6 @@ from collections.abc import Sequence
 
 from hybond.equations.one_sign import one_sign
 from hybond.model.expressions import Binary, Expr, If, Neg, Number
-from hybond.model.expressions.slots import is_slotted
 from hybond.records import dataclass
 
 _ONE = Number(1.0)
@@ -105,5 +104,5 @@ def _product(a: Expr, b: Expr) -> Expr:
 
 
 def _is_zero(factor: float) -> bool:
-    """Whether a number is zero; one that follows from parameters may be any."""
-    return not is_slotted(factor) and factor == 0.0
+    """Whether a number is zero; one that follows from parameters writes down that it was asked."""
+    return bool(factor == 0.0)
