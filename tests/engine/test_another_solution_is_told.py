@@ -164,3 +164,16 @@ def test_what_comes_back_to_zero_but_for_its_rounding_is_not_told(tmp_path) -> N
     path = tmp_path / "back.cir"
     path.write_text(COMES_BACK)
     assert told(hb.simulate(hb.read_circuit(path).model, 1e-5)) == []
+
+
+@pytest.mark.parametrize("solver", ["moreau-jean", "qss2"])
+def test_a_run_that_went_on_told_it_again(solver: str) -> None:
+    """What has been told of a run is told: it is the same run that goes on."""
+    m = cubic("3*cos(time/(1 [s]))")
+    options = {"solver": solver} | ({"step": 0.01} if solver == "moreau-jean" else {})
+    run = hb.simulate(m, 0.3, **options)
+    said = told(run)
+    for k in range(2, 9):
+        run = hb.simulate(m, 0.3 * k, start=run.state(), **options)
+        said += told(run)
+    assert len(said) == len(told(hb.simulate(m, 2.4, **options))) == 1

@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
+from threading import get_ident
 from typing import Any
 
 from hybond.engine.compiled.sources import digest
@@ -26,7 +27,7 @@ from hybond.translate.stored import restored, stored
 from hybond.translate.tree import Block, Function
 
 MOST = 32_000_000
-"""Bytes of a file of printed functions; beyond that it begins anew."""
+"""Bytes of a file of printed functions; beyond that it is taken away, and begins anew."""
 OWN = ("program.py", "kept.py")
 """Files of this room that say what is read."""
 UNREAD = Block(())
@@ -141,9 +142,14 @@ def _write(name: str, thing: object) -> None:
         return
     data = stored(thing)
     if len(data) > MOST:
+        with suppress(OSError):
+            place.unlink()
         return
-    new = place.with_name(f"{place.name}.{os.getpid()}")
+    new = place.with_name(f"{place.name}.{os.getpid()}.{get_ident()}")
     with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
-        new.write_bytes(stamp() + hashlib.sha256(data).digest() + data)
-        os.replace(new, place)
+        try:
+            new.write_bytes(stamp() + hashlib.sha256(data).digest() + data)
+            os.replace(new, place)
+        finally:
+            new.unlink(missing_ok=True)

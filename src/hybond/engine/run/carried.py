@@ -122,6 +122,15 @@ def carry_state(e: Engine, c: Carrier) -> None:
         carry_floats(c, 2 * e.model.bonds, e.root_now)
         carry_floats(c, 2 * e.model.bonds, e.root_before)
         e.root_given = c.puts and e.root_known != 0.0
+        f = e.work.following
+        f.spent = carry_number(c, f.spent)
+        for k in range(2):
+            asked = f.asked.at[k]
+            asked = carry_whole(c, asked)
+            f.asked.at[k] = asked
+            due = f.due.at[k]
+            due = carry_whole(c, due)
+            f.due.at[k] = due
     carry_ints(c, machines_carried(e), e.state)
     carry_ints(c, machines_carried(e), e.landings.landed)
     if c.puts:

@@ -19,7 +19,12 @@ from hybond.engine.mode.limits import put_limits
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.mode.nonlinear.newton import keep_guess
-from hybond.engine.mode.nonlinear.others import finds_another, may_have_others, part_apart
+from hybond.engine.mode.nonlinear.others import (
+    LOOKED_WITH,
+    finds_another,
+    may_have_others,
+    part_apart,
+)
 from hybond.engine.mode.solving import solve_in_step
 from hybond.engine.reasons.warned import ANOTHER, add_about, begin_warning
 from hybond.engine.surfaces.surface import part_mode
@@ -46,13 +51,13 @@ settle."""
 
 def see_chosen(e: Engine) -> None:
     """Tell if the solution that a motion begins to follow is one of several."""
-    if e.model.tells != 0 and e.checks.violated == 0 and may_have_others(e, e.mode):
+    if may_look(e, 0) and may_have_others(e, e.mode):
         look_beside(e, e.mode, CHOSEN, e.y, e.root_now)
 
 
 def see_left(e: Engine) -> None:
     """Tell if there are several, while none is followed."""
-    if e.model.tells == 0 or e.checks.violated > 0:
+    if not may_look(e, 1):
         return
     if e.slide.k > 0:
         for part in range(e.slide.parts):
@@ -65,17 +70,22 @@ def see_left(e: Engine) -> None:
 
 def see_left_by_steps(e: Engine, w: Floats) -> None:
     """Do the same at the end of a step of time-stepping, where bond variables are `w`."""
-    if e.model.tells == 0 or e.model.curved == 0 or e.work.following.due.at[1] == NO_MORE:
+    if e.model.curved == 0 or not may_look(e, 1):
         return
     if mode_of(e, e.state) == OK and may_have_others(e, e.mode):
         look_beside(e, e.mode, BY_METHOD, e.y, w)
 
 
+def may_look(e: Engine, which: int) -> bool:
+    """Whether somebody is told, has not been yet, and something is left to look with."""
+    f = e.work.following
+    told = f.due.at[which] == NO_MORE or e.checks.violated > 0
+    return e.model.tells != 0 and not told and f.spent <= LOOKED_WITH
+
+
 def asks_again(e: Engine, which: int) -> bool:
     """Whether it is time to look."""
     f = e.work.following
-    if f.due.at[which] == NO_MORE:
-        return False
     f.asked.at[which] += 1
     many = f.asked.at[which]
     if many < f.due.at[which]:

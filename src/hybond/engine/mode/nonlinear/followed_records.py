@@ -79,11 +79,15 @@ class Following:
     another: Block
     """Bond variables as they are; unknowns that begin elsewhere; bond variables as they might be.
     """
+    begun_at: int
+    """Which unknown begins elsewhere first."""
     patience: int
     """How many more times steps that do not settle are made shorter there."""
     jumped_at: float
     """When what is known jumps in the last step, so that no solution goes on; infinity: it does
     not."""
+    spent: float
+    """Multiplications that another solution was looked for with."""
     asked: Places
     due: Places
     """How often another solution might have been looked for, of those who choose one and of those

@@ -41,6 +41,11 @@ ENDS_OF_ALL: Final = 1e-12
 """... and where they come as near as"""
 NEAR: Final = 1e-6
 """this part of each to the solution that is known."""
+LOOKED_WITH: Final = 2e7
+"""Multiplications of a run with which it is looked for another solution: some hundredths of a
+second, however large the model is and however often it might be looked for."""
+LAW: Final = 200.0
+"""So many of them is a law that is evaluated."""
 COMES_BACK: Final = 1e-7
 """Steps have come back that end nearer to it than this part of the way they began at."""
 APART: Final = 0.1
@@ -108,17 +113,22 @@ def finds_another(e: Engine, mode: Mode, v: Floats, patient: int) -> bool:
     level_edges(e, mode, v, e.work.base)
     found = False
     tried = 0
-    for j in range(frees):
+    last = -1
+    for i in range(frees):
+        # others first each time, where they are more
+        j = (i + f.begun_at) % frees
         if mode.branch.open_unknown.at[j] == 0 or tried == UNKNOWNS:
             continue
         tried += 1
+        last = j
         for turn in range(2 * SIZES):
             size = size_of_turn(e, mode, j, turn // 2)
-            if not found and size > 0.0:
-                for i in range(frees):
-                    f.begun.at[i] = f.root_here.at[mode.free_column[i]]
+            if not found and size > 0.0 and f.spent <= LOOKED_WITH:
+                for k in range(frees):
+                    f.begun.at[k] = f.root_here.at[mode.free_column[k]]
                 f.begun.at[j] += size if turn % 2 == 0 else -size
                 found = leads_elsewhere(e, mode, v, f.begun.at)
+    f.begun_at = last + 1 if tried == UNKNOWNS else 0
     # to all others at once: the other side of what is symmetric, and nothing
     for turn in range(2):
         if not found and tried > 1:
@@ -156,7 +166,9 @@ def leads_elsewhere(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     near = False
     regular = False
     way = way_from_here(mode, f.root_here.at, r)
+    size = float(frees)
     for _ in range(STEPS):
+        f.spent += size * size * size + LAW * size
         with_free(mode, n, e.work.base, r, w)
         rows = system(e, mode, v, w)
         if rows != frees or not all_finite(rows, e.work.residual.at):
@@ -177,6 +189,7 @@ def leads_elsewhere(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     with_free(mode, n, e.work.base, r, w)
     if not ended and not near and f.patience > 0 and is_apart(e, w):
         f.patience -= 1
+        f.spent += float(STEPS) * (size * size * size + LAW * size)
         ended = damped(e, mode, v, r)
         with_free(mode, n, e.work.base, r, w)
         regular = system(e, mode, v, w) == frees and newton_step(e, frees, frees)

@@ -27,7 +27,12 @@ def may_have_several(e: Engine, mode: Mode) -> bool:
     """Whether the laws of a mode may have several solutions, of which one has to be followed."""
     b = mode.branch
     if b.several == UNKNOWN:
-        b.several = MAY if is_followed(e, mode) and not is_single(e, mode) else NEVER
+        b.several = NEVER
+        if is_followed(e, mode):
+            if is_single(e, mode):
+                b.others = NEVER
+            else:
+                b.several = MAY
     return b.several == MAY
 
 
@@ -63,12 +68,8 @@ def is_group_single(e: Engine, mode: Mode, g: int, v: Floats) -> bool:
     """Whether that is so in one group of laws, none of which jumps."""
     begin = mode.apart.begins.at[g]
     end = mode.apart.begins.at[g + 1]
-    alone = end == begin + 1
-    if alone and resist(e, mode, begin, end, v):
-        return True
-    if has_one_root(e, mode, begin, end, v):
-        return True
-    return not alone and resist(e, mode, begin, end, v)
+    # the first is cheaper by far
+    return resist(e, mode, begin, end, v) or has_one_root(e, mode, begin, end, v)
 
 
 def resist(e: Engine, mode: Mode, begin: int, end: int, v: Floats) -> bool:
