@@ -177,3 +177,25 @@ def test_a_run_that_went_on_told_it_again(solver: str) -> None:
         run = hb.simulate(m, 0.3 * k, start=run.state(), **options)
         said += told(run)
     assert len(said) == len(told(hb.simulate(m, 2.4, **options))) == 1
+
+
+@pytest.mark.parametrize("law", [{"f": "P/e"}, {"e": "P/f"}])
+@pytest.mark.parametrize("part", [0.02, 0.3, 0.8])
+@pytest.mark.parametrize("turned", [False, True])
+def test_constant_power_behind_a_resistor_is_taken_in_two_ways(
+    law: dict[str, str], part: float, turned: bool
+) -> None:
+    """Of ``e^2 - V e + P R = 0`` one root is near V, the other near nothing."""
+    volts, ohms = 48.0, 0.5
+    power = part * volts * volts / 4.0 / ohms
+    m = hb.Model("load", domain="electrical")
+    m.add(V=hb.Se(volts), z=hb.Zero(), c=hb.One(), C=hb.C(1.0), Rc=hb.R(1.0))
+    m.add(i=hb.One(), R=hb.R(ohms), n=hb.Zero())
+    m.add(P=hb.R({k: text.replace("P", f"{power} [W]") for k, text in law.items()}))
+    m.bond("V -> z -> c -> C", "c -> Rc", "z -> i -> n", "i -> R", "P -> n" if turned else "n -> P")
+    ((_, here, there),) = told(hb.simulate(m, 0.1))
+    volt = "P.e is" in hb.simulate(m, 0.1).warnings[0]
+    for x in (here, there):
+        e = abs(x) if volt else power / abs(x)
+        assert e * e - volts * e + power * ohms == pytest.approx(0.0, abs=1e-3 * volts * e)
+    assert abs(here - there) > 0.1

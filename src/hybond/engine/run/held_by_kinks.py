@@ -33,6 +33,8 @@ WIDE: Final = 64.0
 """Instants on either side of it at which rates are compared, at the least."""
 NEARER: Final = 0.25
 """Each time that no jump is seen from there, it is looked for from so much nearer by, ..."""
+IN_A_ROW: Final = 3
+"""From so many distances, one after the other, a jump is seen that relaxation hid."""
 BEYOND_ROUNDING: Final = 4096.0
 """... as long as what is compared is so many times its rounding there: three digits of it."""
 HALVINGS: Final = 60
@@ -88,8 +90,11 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
         found = jumps_within(e, r, atom, at, least)
     size = e.model.atom_size[g.atom[g.atom_first[k]]]
     near = NEARER * least
+    seen = 0
     while not found and is_clear(e, r, atom, size, at, 0.25 * near):
-        found = jumps_within(e, r, atom, at, near)
+        # what damping leads back from there may go on from nearer by
+        seen = seen + 1 if jumps_within(e, r, atom, at, near) else 0
+        found = seen == IN_A_ROW
         near *= NEARER
     if found:
         r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom

@@ -33,7 +33,10 @@ UNKNOWNS: Final = 12
 SIZES: Final = 13
 """By how much: parts of the largest variable of their kind, ..."""
 PARTS: Final = 6
-"""... so many of them, and powers of ten in SI, either way."""
+"""... so many of them, and powers of ten in SI, either way; ..."""
+OF_ITSELF: Final = 10
+"""... and where what a law reads is so many parts of itself: a load of constant power takes it at
+nearly no voltage as well."""
 STEPS: Final = 25
 ENDS: Final = 1e-9
 """Steps end that are below this part of each unknown, or of the largest by this much less, ..."""
@@ -121,12 +124,15 @@ def finds_another(e: Engine, mode: Mode, v: Floats, patient: int) -> bool:
             continue
         tried += 1
         last = j
-        for turn in range(2 * SIZES):
-            size = size_of_turn(e, mode, j, turn // 2)
+        for turn in range(2 * SIZES + OF_ITSELF):
+            size = size_of_turn(e, mode, j, turn // 2) if turn < 2 * SIZES else 1.0
             if not found and size > 0.0 and f.spent <= LOOKED_WITH:
                 for k in range(frees):
                     f.begun.at[k] = f.root_here.at[mode.free_column[k]]
-                f.begun.at[j] += size if turn % 2 == 0 else -size
+                if turn < 2 * SIZES:
+                    f.begun.at[j] += size if turn % 2 == 0 else -size
+                else:
+                    f.begun.at[j] += way_to_part(e, mode, j, part_of_turn(turn - 2 * SIZES))
                 found = leads_elsewhere(e, mode, v, f.begun.at)
     f.begun_at = last + 1 if tried == UNKNOWNS else 0
     # to all others at once: the other side of what is symmetric, and nothing
@@ -144,6 +150,28 @@ def size_of_turn(e: Engine, mode: Mode, j: int, turn: int) -> float:
     if turn >= PARTS:
         return math.pow(10.0, float(turn - PARTS - (SIZES - PARTS) // 2))
     return largest_of_kind(e, mode.free_column[j]) * math.pow(10.0, 0.75 * float(turn) - 2.25)
+
+
+def part_of_turn(turn: int) -> float:
+    """Return which part of itself a law begins to read: nothing, the opposite, 0.5 to 0.008."""
+    if turn < 2:
+        return -float(turn)
+    part = math.pow(10.0, 0.3 - 0.6 * float(turn // 2))
+    return part if turn % 2 == 0 else -part
+
+
+def way_to_part(e: Engine, mode: Mode, j: int, part: float) -> float:
+    """Return how far unknown j is from where a bent law reads that part of what it reads now."""
+    m = e.model
+    here = e.work.following.root_here.at
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        for p in range(m.slope_first[d] if d >= 0 else 0, m.slope_first[d + 1] if d >= 0 else 0):
+            k = m.slope_column[p]
+            share = mode.finite_free.at[k * mode.finite_frees + j]
+            if m.slope_value[p] >= 0 and share != 0.0:
+                return (part - 1.0) * here[k] / share
+    return (part - 1.0) * here[mode.free_column[j]]
 
 
 def largest_of_kind(e: Engine, k: int) -> float:
