@@ -125,12 +125,10 @@ def carry_state(e: Engine, c: Carrier) -> None:
         f = e.work.following
         f.spent = carry_number(c, f.spent)
         for k in range(2):
-            asked = f.asked.at[k]
-            asked = carry_whole(c, asked)
-            f.asked.at[k] = asked
-            due = f.due.at[k]
-            due = carry_whole(c, due)
-            f.due.at[k] = due
+            asked = carry_number(c, float(f.asked.at[k]))
+            f.asked.at[k] = int(asked)
+            due = carry_number(c, float(f.due.at[k]))
+            f.due.at[k] = int(due)
     carry_ints(c, machines_carried(e), e.state)
     carry_ints(c, machines_carried(e), e.landings.landed)
     if c.puts:

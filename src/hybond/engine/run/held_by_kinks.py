@@ -10,7 +10,6 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import largest_part
-from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.guard_values import show
@@ -31,12 +30,6 @@ STEPS: Final = 4.0
 """or so many of the steps that are being made: errors that they may make keep it away."""
 WIDE: Final = 64.0
 """Instants on either side of it at which rates are compared, at the least."""
-NEARER: Final = 0.25
-"""Each time that no jump is seen from there, it is looked for from so much nearer by, ..."""
-IN_A_ROW: Final = 3
-"""From so many distances, one after the other, a jump is seen that relaxation hid."""
-BEYOND_ROUNDING: Final = 4096.0
-"""... as long as what is compared is so many times its rounding there: three digits of it."""
 HALVINGS: Final = 60
 DUST: Final = 1e-14
 """Part of the largest effort or flow that is rounding, where a rate is the sum of some."""
@@ -85,33 +78,11 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
     least = WIDE * room_of_instant(e, e.t)
     wide = max(far, least)
     # a line that another law follows as far as that is none from nearer by
-    found = jumps_within(e, r, atom, at, wide)
-    if found and wide > least:
-        found = jumps_within(e, r, atom, at, least)
-    size = e.model.atom_size[g.atom[g.atom_first[k]]]
-    near = NEARER * least
-    seen = 0
-    while not found and is_clear(e, r, atom, size, at, 0.25 * near):
-        # what damping leads back from there may go on from nearer by
-        seen = seen + 1 if jumps_within(e, r, atom, at, near) else 0
-        found = seen == IN_A_ROW
-        near *= NEARER
-    if found:
-        r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
-    return found
-
-
-def is_clear(e: Engine, r: Run, atom: int, size: int, at: float, wide: float) -> bool:
-    """Whether what is compared has digits on either side of the crossing, that way from it.
-
-    What relaxes within an instant hides a jump beside it: that is seen from nearer by, as long as
-    it is more than rounding that is seen there.
-    """
-    for side in range(2):
-        there = along(e, r, atom, at + (wide if side == 0 else -wide))
-        least = BEYOND_ROUNDING * EPSILON * math.fabs(value(e.model, size, e.v))
-        if not math.fabs(there) > least or at + wide == at:
-            return False
+    if not jumps_within(e, r, atom, at, wide):
+        return False
+    if wide > least and not jumps_within(e, r, atom, at, least):
+        return False
+    r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
     return True
 
 

@@ -143,13 +143,13 @@ def carry_over_kink(e: Engine, r: Run, h: float) -> None:
 def leads_straight_on(e: Engine, r: Run, h: float) -> bool:
     """Whether rates stay what they are, within the tolerance of steps, for twice the time `h`."""
     g = r.locator
-    if field(e, e.mode, e.step.t1 + h, g.y, r.beside) != OK:
-        return False
-    for i in range(e.states):
+    hold_guess(e, e.mode)
+    straight = field(e, e.mode, e.step.t1 + h, g.y, r.beside) == OK
+    give_back_guess(e, e.mode)
+    for i in range(e.states if straight else 0):
         off = 2.0 * h * math.fabs(r.beside[i] - r.rate[i])
-        if not off <= max(e.step.scale[i], ROUNDING * math.fabs(g.y[i])):
-            return False
-    return True
+        straight = straight and off <= max(e.step.scale[i], ROUNDING * math.fabs(g.y[i]))
+    return straight
 
 
 def has_passed(e: Engine, g: Locator) -> bool:
