@@ -1,5 +1,6 @@
 """What `hybond check` refuses before a run does: what scripts set, what measurements ask for."""
 
+import json
 from typing import Any
 
 import pytest
@@ -129,3 +130,27 @@ def test_a_script_of_python_is_not_run_by_opening_it(shell: Any) -> None:
     shell.file("rc.py", "raise SystemExit(9)\n")
     done = shell("check", "rc.py")
     assert done.code == 2 and "HB-F102" in done.err and 'hb.save(model, "rc.toml")' in done.err
+
+
+TWO = """
+hybond = 1
+domain = "electrical"
+[elements]
+U = { Se = "5 [V]*tanh(10*inp.e/(1 [V]))" }
+r2 = { R = "10 kohm" }
+r3 = { R = "10 kohm" }
+top = { junction = 1 }
+inp = { junction = 0 }
+[graph]
+bonds = ["U -> top -> r2", "top -> inp -> r3"]
+[experiment]
+until = "1 s"
+"""
+
+
+def test_who_only_measured_was_told_no_warning(shell: Any) -> None:
+    shell.file("two.toml", TWO)
+    done = shell("measure", "two.toml", "final(inp.e)")
+    assert done.code == 0 and "warning: HB-N416" in done.err
+    found = json.loads(shell("measure", "two.toml", "final(inp.e)", "--json").out)
+    assert any("HB-N416" in text for text in found["warnings"])

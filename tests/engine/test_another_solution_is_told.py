@@ -9,7 +9,9 @@ import pytest
 
 import hybond as hb
 
-NUMBERS = re.compile(r"at t = (\S+) s .*: -?\S+\.[ef] is (\S+), and (\S+) would do as well")
+NUMBERS = re.compile(
+    r"at t = (\S+) s .*: -?\S+\.[ef] is (\S+)(?: \S+)?, and (\S+)(?: \S+)? would do as well"
+)
 
 
 def cubic(drive: str, *, away: bool = False, dual: bool = False) -> hb.Model:

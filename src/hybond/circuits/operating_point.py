@@ -39,7 +39,8 @@ FEW = 4
 NEVER_SETTLES = "HB-N401"
 """What a run ends with whose comparisons follow each other at one instant without end."""
 NO_REST = (
-    "the circuit has no rest, so the start is that of uic, from zero or from the voltages of .ic"
+    "no rest of the circuit was found, so the start is that of uic, from zero or from the voltages "
+    "of .ic"
 )
 Forced = Sequence[tuple[str, Value, Line]]
 

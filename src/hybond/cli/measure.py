@@ -62,6 +62,7 @@ def measure(given: Namespace) -> int:
             "status": run.status,
             "t_end": run.t_end,
             "measures": values,
+            "warnings": list(run.warnings),
         }
         if table is not None:
             record["losses"] = table.to_dict()
@@ -80,9 +81,8 @@ def measure(given: Namespace) -> int:
             say(str(table))
             share = abs(table.unbalanced) / table.through if table.through else 0.0
             say(f"balanced to {share:.1g} of what passed")
-    if run.status == "accumulation":
-        # of all that ends a run early it is the one without a refusal
-        complain("\n".join(f"warning: {w}" for w in run.warnings))
+    for warning in run.warnings:
+        complain(f"warning: {warning}")
     for refusal in (run.error, *problems):
         if refusal is not None:
             complain(str(refusal))

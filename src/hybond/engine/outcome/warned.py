@@ -275,9 +275,13 @@ class Warnings:
     ) -> str:
         """Say that laws have another solution than the one that the run goes by."""
         name = self.explain.bond_variable(variable)
+        bonds = len(self.graph.bonds)
+        domain = self.graph.bonds[variable % bonds].domain
+        unit = domain.flow if variable >= bonds else domain.effort
+        one, other = (f"{x:.6g} {unit}" if unit else f"{x:.6g}" for x in (here, there))
         return (
             f"HB-N416: {now} the laws around {self.graph.nodes[self._elements[element]].path} have "
-            f"more than one solution: {name} is {here:.6g}, and {there:.6g} would do as well; "
+            f"more than one solution: {name} is {one}, and {other} would do as well; "
             f"{TAKES[why]}; {LOOP}"
         )
 
