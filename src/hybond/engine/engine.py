@@ -20,7 +20,7 @@ from hybond.engine.methods.linear.flow_records import Exact, make_exact
 from hybond.engine.methods.quantised.qss_room import Quantised, make_quantised
 from hybond.engine.mode.comparisons.standing_records import Standing, make_standing
 from hybond.engine.mode.comparisons.sum_records import Sums, make_sums
-from hybond.engine.mode.mode_records import KEPT, Mode
+from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
 from hybond.engine.planar.planar_records import Planar, make_planar
 from hybond.engine.reasons.warned import Warned, make_warned
@@ -34,8 +34,10 @@ REFUSED: Final = 1
 NOT_FINITE: Final = 2
 """A trial point beyond where the laws hold: the step is shortened."""
 NO_MODE: Final = -1
-BUCKETS: Final = 127
+BUCKETS: Final = 4093
 """Of configurations, to find the modes that are kept."""
+FIRST_PLACES: Final = 64
+"""For modes that are kept; there are more when they are needed."""
 NOT_ASKED: Final = 2
 """No sign of a slope is known yet."""
 LOOKED_ON: Final = 20_000
@@ -123,6 +125,14 @@ class Engine:
     modes_kept: int
     """Of how many there is room."""
     modes_made: int
+    modes_used: Ints
+    """When each was used last, by `clock`."""
+    modes_together: int
+    """How many there must be room for whatever they take, besides those of an instant."""
+    modes_size: float
+    """Numbers that each took, when they were counted."""
+    modes_counted: int
+    """When they are counted again, by `modes_built`."""
     bucket: Ints
     """The first mode kept in each bucket of configurations, or NO_MODE."""
     clock: int
@@ -327,8 +337,9 @@ def make_engine(m: Model) -> Engine:
         e.unrest.about = make_block(16)
         e.warned = make_warned()
     e.checks = make_checks(m)
-    e.modes = records(Mode, KEPT)
-    e.modes_kept = KEPT
+    e.modes = records(Mode, FIRST_PLACES)
+    e.modes_used = ints(FIRST_PLACES)
+    e.modes_kept = FIRST_PLACES
     e.bucket = ints(BUCKETS)
     for k in range(BUCKETS):
         e.bucket[k] = NO_MODE

@@ -11,8 +11,7 @@ import hybond as hb
 from hybond.engine.engine import NO_MODE, OK, make_engine
 from hybond.engine.mode import kept_modes
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.mode.kept_modes import FEWEST, find_kept, keep_mode
-from hybond.engine.mode.mode_records import KEPT
+from hybond.engine.mode.kept_modes import FEWEST, OF_EACH, find_kept, keep_mode
 from hybond.engine.mode.mode_sizes import numbers_of
 from hybond.engine.mode.nonlinear.branch import take_points
 from hybond.engine.tables import answered, tables_of
@@ -31,14 +30,14 @@ def engine(machines: int):
     return make_engine(answered(tables_of(m.flatten(), until=1.0)))
 
 
-@pytest.mark.parametrize(("room", "most"), [(kept_modes.ROOM, KEPT), (0.0, FEWEST)])
+@pytest.mark.parametrize(("room", "most"), [(kept_modes.ROOM, 512), (0.0, FEWEST)])
 def test_what_is_kept_is_what_was_used_last(monkeypatch, room, most):
     monkeypatch.setattr(kept_modes, "ROOM", room)
     e = engine(9)
     dice = random.Random(4)
     kept: OrderedDict[tuple[int, ...], int] = OrderedDict()
     found = 0
-    for _ in range(3000):
+    for _ in range(6000):
         # some configurations come back soon, others hardly ever
         number = min(int(dice.expovariate(1 / 60)), 511)
         key = [number >> k & 1 for k in range(9)]
@@ -54,22 +53,30 @@ def test_what_is_kept_is_what_was_used_last(monkeypatch, room, most):
                 assert kept.popitem(last=False)[1] == at
             kept[tuple(key)] = at
         kept.move_to_end(tuple(key))
-        some(e.modes[at]).used = e.clock
+        e.modes_used[at] = e.clock
         assert some(e.modes[at]).state[:9] == key
-    assert 0 < found < 3000
-    assert len(kept) == most
+    assert 0 < found < 6000
+    assert e.modes_made == len(kept) <= most
+    assert len(kept) > 300 or len(kept) == most
 
 
 def test_modes_that_take_much_memory_are_fewer(monkeypatch):
     one = engine(12)
     assert mode_of(one, [0] * 12) == OK
-    room = numbers_of(one.model, one.modes[0])
+    room = OF_EACH + numbers_of(one.model, one.modes[0])
     monkeypatch.setattr(kept_modes, "ROOM", 20.0 * room)
     e = engine(12)
     for number in range(200):
         assert mode_of(e, [number >> k & 1 for k in range(12)]) == OK
     assert FEWEST < e.modes_made <= 20
     assert e.modes_built == 200
+
+
+def test_modes_are_kept_by_memory_and_not_by_count():
+    e = engine(10)
+    for number in (*range(1024), *range(1024)):
+        assert mode_of(e, [number >> k & 1 for k in range(10)]) == OK
+    assert e.modes_made == e.modes_built == 1024
 
 
 def numbers_in(what: object, seen: set[int]) -> float:

@@ -53,12 +53,12 @@ def mode_of(e: Engine, state: Ints) -> int:
     at = find_kept(e, e.key)
     if at != NO_MODE:
         e.mode = some(e.modes[at])
-        e.mode.used = e.clock
         e.mode_at = at
+        e.modes_used[at] = e.clock
         return check_depth(e, e.mode)
     e.mode_at = keep_mode(e, e.key)
     mode = some(e.modes[e.mode_at])
-    mode.used = e.clock
+    e.modes_used[e.mode_at] = e.clock
     e.mode = mode
     for j in range(m.junctions):
         e.given[j] = 0

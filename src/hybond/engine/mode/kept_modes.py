@@ -8,17 +8,23 @@ from __future__ import annotations
 from typing import Final
 
 from hybond.engine.engine import BUCKETS, NO_MODE, Engine
-from hybond.engine.mode.mode_records import KEPT, PACES, Mode, make_mode
+from hybond.engine.mode.mode_records import PACES, Mode, make_mode
 from hybond.engine.mode.mode_sizes import numbers_of
-from hybond.engine.words import Ints, records, some
+from hybond.engine.words import Ints, ints, records, some
 
 ROOM: Final = 16777216.0
 """Numbers that the modes kept may take, 128 MiB: of large modes fewer are kept. Each new one takes
 the place of the one that was used least recently then, with what that had of room.
 
 A quarter of what a run of 10,000 elements may take in all; 64 modes of a thousand elements fit."""
+OF_EACH: Final = 1000.0
+"""Numbers that each takes beside its equations."""
 FEWEST: Final = 8
 """Modes kept whatever they take: an instant goes through some, and comes back to the first."""
+KEYS: Final = 1048573
+"""Configurations are told apart by a number below this prime before they are compared."""
+FIRST_KEYS: Final = 127
+"""The same for the few sizes of steps that are remembered."""
 
 
 def find_kept(e: Engine, key: Ints) -> int:
@@ -37,13 +43,15 @@ def keep_mode(e: Engine, key: Ints) -> int:
     """Return where there is room for the mode of a configuration, from now on found by it."""
     n = e.model.machines + e.model.discrete
     at = e.modes_made
-    if at < e.modes_kept and has_room(e):
+    if has_room(e):
+        if at == e.modes_kept:
+            make_places_for(e, 2 * at)
         e.modes[at] = make_mode(e.model)
         e.modes_made += 1
     else:
         at = 0
         for k in range(e.modes_made):
-            if some(e.modes[k]).used < some(e.modes[at]).used:
+            if e.modes_used[k] < e.modes_used[at]:
                 at = k
         forget_mode(e, at)
     mode = some(e.modes[at])
@@ -51,32 +59,42 @@ def keep_mode(e: Engine, key: Ints) -> int:
         mode.state[k] = key[k]
     own = bucket_of(n, key)
     mode.behind = e.bucket[own]
-    mode.pace = own % PACES
+    mode.pace = number_of(n, key, FIRST_KEYS) % PACES
     mode.longest = 0.0
     e.bucket[own] = at
     return at
 
 
 def has_room(e: Engine) -> bool:
-    """Whether one more mode may be kept beside those that are."""
-    together = e.modes_kept - KEPT
-    if e.modes_made < FEWEST + together:
+    """Whether one more mode may be kept beside those that are.
+
+    What they take is counted again when an eighth more were made: modes grow while they are used.
+    """
+    if e.modes_made < FEWEST + e.modes_together:
         return True
-    taken = 0.0
-    for k in range(e.modes_made):
-        taken += numbers_of(e.model, some(e.modes[k]))
-    return taken < ROOM
+    if e.modes_built >= e.modes_counted:
+        taken = 0.0
+        for k in range(e.modes_made):
+            taken += OF_EACH + numbers_of(e.model, some(e.modes[k]))
+        e.modes_size = taken / float(e.modes_made)
+        e.modes_counted = e.modes_built + 1 + e.modes_made // 8
+    return e.modes_size * float(e.modes_made) < ROOM
 
 
 def keep_together(e: Engine, many: int) -> None:
-    """Let so many modes more be kept than others need: that many are used together."""
-    n = KEPT + many
-    if n <= e.modes_kept:
-        return
+    """Let so many modes be kept besides those that an instant goes through: they are one motion."""
+    e.modes_together = max(many, e.modes_together)
+
+
+def make_places_for(e: Engine, n: int) -> None:
+    """Make room for n modes, and keep those that are there."""
     more = records(Mode, n)
+    used = ints(n)
     for k in range(e.modes_made):
         more[k] = some(e.modes[k])
+        used[k] = e.modes_used[k]
     e.modes = more
+    e.modes_used = used
     e.modes_kept = n
 
 
@@ -101,9 +119,14 @@ def before_in_chain(e: Engine, own: int, at: int) -> Mode:
 
 def bucket_of(n: int, key: Ints) -> int:
     """Return the bucket of a configuration."""
+    return number_of(n, key, KEYS) % BUCKETS
+
+
+def number_of(n: int, key: Ints, below: int) -> int:
+    """Return a number for a configuration, the same for some others."""
     found = 0
     for k in range(n):
-        found = (31 * found + key[k]) % BUCKETS
+        found = (31 * found + key[k]) % below
     return found
 
 

@@ -22,8 +22,6 @@ from hybond.engine.words import Floats, Ints, floats, ints, record
 
 PACES: Final = 16
 """Sizes of steps that are remembered: modes that share one mislead each other, not the run."""
-KEPT: Final = 64
-"""Modes kept at the most; the least recently used is made anew when it is entered again."""
 NOT_KNOWN: Final = 0
 TIED: Final = 1
 FREE: Final = 2
@@ -131,7 +129,6 @@ class Mode:
     sources, their rates.
     """
 
-    used: int
     made: int
     """Which of all the modes that were made it is: others had its place before."""
     behind: int

@@ -10,7 +10,6 @@ from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.linear.balance import take_matrix
 from hybond.engine.methods.linear.flow_columns import put_column, put_stored, stands_alone
 from hybond.engine.methods.linear.flow_records import (
-    MOST_FLOWS,
     NO_FLOW,
     ROOM,
     Exact,
@@ -21,8 +20,12 @@ from hybond.engine.methods.linear.graded import grade
 from hybond.engine.methods.linear.linear_rows import open_rows
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.model import Model
-from hybond.engine.words import some
+from hybond.engine.words import ints, records, some
 
+FEWEST_FLOWS: Final = 4
+"""Kept whatever they take."""
+OF_A_FLOW: Final = 500
+"""Numbers that each takes beside its matrices."""
 STORAGE: Final = 0
 LAWS: Final = 1
 
@@ -50,7 +53,7 @@ def take_flow(e: Engine) -> None:
         return
     x.flow = some(x.flows[mode.flow])
     x.clock += 1
-    x.flow.used = x.clock
+    x.used[mode.flow] = x.clock
     x.on = True
 
 
@@ -144,18 +147,35 @@ def make_flow_of(e: Engine, mode: Mode) -> int:
 def free_place(e: Engine, n: int) -> int:
     """Return a place for a flow of that size."""
     x = e.exact
-    most = max(4, min(MOST_FLOWS, ROOM // (8 * n * n)))
+    most = max(FEWEST_FLOWS, ROOM // (8 * n * n + OF_A_FLOW))
+    if x.made < most:
+        if x.made == x.places:
+            make_places_for_flows(x, 2 * x.places)
+        at = x.made
+        x.flows[at] = make_flow(e.model)
+        x.made += 1
+        return at
     at = 0
-    for k in range(most):
-        if x.flows[k] is None:
-            x.flows[k] = make_flow(e.model)
-            return k
-        if some(x.flows[k]).used < some(x.flows[at]).used:
+    # places behind are those of smaller ones
+    for k in range(min(most, x.made)):
+        if x.used[k] < x.used[at]:
             at = k
     owner = some(x.flows[at]).owner
     if owner >= 0 and some(e.modes[owner]).flow == at:
         some(e.modes[owner]).flow = NO_FLOW
     return at
+
+
+def make_places_for_flows(x: Exact, many: int) -> None:
+    """Make room for so many flows, and keep those that are there."""
+    more = records(Flow, many)
+    used = ints(many)
+    for k in range(x.made):
+        more[k] = some(x.flows[k])
+        used[k] = x.used[k]
+    x.flows = more
+    x.used = used
+    x.places = many
 
 
 def place_generators(e: Engine, mode: Mode) -> int:

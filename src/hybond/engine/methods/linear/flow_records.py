@@ -18,7 +18,8 @@ from hybond.engine.words import Floats, Ints, Records, floats, ints, record, rec
 LARGE: Final = 400
 """States beyond which full matrices are too much for what chooses by itself."""
 NO_FLOW: Final = -1
-MOST_FLOWS: Final = 64
+FIRST_FLOWS: Final = 64
+"""There is room for at first."""
 ROOM: Final = 4194304
 """Numbers that the exponentials of all flows may take, about: of large modes fewer are kept."""
 LEVELS: Final = 180
@@ -40,7 +41,6 @@ class Flow:
 
     owner: int
     """The place of its mode among those kept."""
-    used: int
     n: int
     gens: int
     gen: Ints
@@ -79,6 +79,11 @@ class Exact:
     """Whether the present mode is propagated."""
     flow: Flow
     flows: Records[Flow]
+    places: int
+    """For so many there is room, and so many are made."""
+    made: int
+    used: Ints
+    """When each was used last, by `clock`."""
     clock: int
     found: Ints
     """Modes that are propagated, then those that are not, by the number of the reason; then
@@ -147,7 +152,9 @@ def make_exact(m: Model) -> Exact:
     x = Exact()
     n = m.storages + m.integrals
     most = n + m.generators
-    x.flows = records(Flow, MOST_FLOWS)
+    x.flows = records(Flow, FIRST_FLOWS)
+    x.used = ints(FIRST_FLOWS)
+    x.places = FIRST_FLOWS
     x.found = ints(m.reasons + 2)
     x.slid = ints(m.surfaces)
     x.along = ints(n)
