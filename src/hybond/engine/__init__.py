@@ -131,6 +131,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             stiffness       when ``auto`` goes over to them, and back
             beside_kinks    slopes of the side of a kink on which a step is
             from_edges, beside_edges    stages where laws begin, and beside that
+            settled_rates   rates that states move by, where a law is flat at rest
         quantised/
             qss, qss_start, qss_events, qss_band, qss_place, qss_room    quantised states
             qss_linear, qss_fit, qss_nodes    their rates: in linear modes, and in others

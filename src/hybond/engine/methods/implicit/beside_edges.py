@@ -29,10 +29,12 @@ from hybond.engine.methods.implicit.radau_stages import (
     NO_MATRIX,
     STAGES_BEYOND,
     STAGES_CONVERGED,
+    STAGES_FAILED,
     iterate_stages,
     rate_at,
     stage_rates,
 )
+from hybond.engine.methods.implicit.settled_rates import settle_rates
 from hybond.engine.surfaces.values import evaluate
 
 LESSENS: Final = 0.5
@@ -75,6 +77,8 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
     if found == STAGES_CONVERGED:
         copy_part(r.n, r.y, 2 * r.n, r.stage, 0)
         within = rate_at(e, r.n, r.t1, r.stage, r.end) == OK
+        if within and settle_rates(e, r, rtol):
+            return STAGES_CONVERGED if factorise(r) != SINGULAR else STAGES_FAILED
         swings = within and s.left_edge and r.swings
         stuck = within and r.iterations == 1 and not s.left_edge and is_stuck(e, r)
         if within and not (stuck or swings):

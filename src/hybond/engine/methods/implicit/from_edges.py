@@ -173,7 +173,7 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     stalled = 0
     before = 1.0
     for _ in range(CORRECTIONS):
-        put_whole(e, r, rtol)
+        put_whole(e, r, rtol, DIGITS)
         if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
             return False
         lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
@@ -293,10 +293,10 @@ def move_stages(e: Engine, r: Radau, part: float) -> float:
     return 0.0
 
 
-def put_whole(e: Engine, r: Radau, rtol: float) -> None:
+def put_whole(e: Engine, r: Radau, rtol: float, part: float) -> None:
     """Put the matrix of all stages into ``r.whole``, what is left of them into ``r.left_over``.
 
-    The slopes of the last stage stay as the Jacobian.
+    Slopes are over a part of each state. Those of the last stage stay as the Jacobian.
     """
     n = r.n
     many = 3 * n
@@ -305,7 +305,7 @@ def put_whole(e: Engine, r: Radau, rtol: float) -> None:
     for k in range(many * many):
         r.whole.at[k] = 0.0
     for s in range(3):
-        slopes_of(e, r, s, rtol)
+        slopes_of(e, r, s, rtol, part)
         for i in range(n):
             row = s * n + i
             for j in range(3):
@@ -326,7 +326,7 @@ def put_left(r: Radau, out: Floats) -> None:
             out[s * n + i] = total
 
 
-def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
+def slopes_of(e: Engine, r: Radau, s: int, rtol: float, part: float) -> None:
     """Put the slopes of rates at a stage into the Jacobian, by differences on either side."""
     n = r.n
     r.twofold_from = math.inf
@@ -334,7 +334,7 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float) -> None:
     copy_part(n, r.y, s * n, r.shifted, 0)
     for j in range(n):
         here = r.shifted[j]
-        delta = DIGITS * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
+        delta = part * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
         moved = math.fabs(r.z[s * n + j])
         if moved > 0.0:
             # an edge that is not at zero is as far as the state has moved from there
