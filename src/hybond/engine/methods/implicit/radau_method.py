@@ -183,15 +183,23 @@ def swings_about_jump(e: Engine, r: Radau) -> bool:
 def warn_of_swings(e: Engine) -> None:
     """Say once that the rates at the end of steps are off, where these swing within the tolerance.
 
-    By how much the last one leads elsewhere than what it is said to end with.
+    By how much it leads elsewhere than the rate that it is said to end with, or that differs at
+    the end of what swings: how far rates move within a step is none of it, as what is stopped, or
+    breaks loose, in one has them move much. The way through stages alone tells too little: stages
+    are put where they swing about, and a law may have the rate that leads there in between.
     """
     m = e.model
     s = e.step
+    r = e.radau
     most = OFF
     which = -1
     for k in range(m.storages):
         size = e.checks.largest[m.bond_class[m.storage_bond[k] + rate_kind(m, k)]]
-        off = math.fabs(s.f[k] - (s.y1[k] - s.y0[k]) / (s.t1 - s.t0))
+        moved = 0.0
+        for j in range(3):
+            moved += BUTCHER_INVERSE[6 + j] * r.z[j * r.n + k]
+        off = math.fabs(s.f[k] - moved / r.h)
+        off = max(off, math.fabs(s.f[k] - r.f[2 * r.n + k]))
         if off > most * size and size > 0.0:
             most = off / size
             which = k

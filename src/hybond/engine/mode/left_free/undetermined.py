@@ -227,6 +227,7 @@ def find_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
         return
     if newton_step(e, rows, frees):
         return
+    count_alone(e, mode)
     fit(work.a, frees * frees)
     many = directions_left(e, rows, frees, work.jacobian.at, work.a.at)
     if many == 0:
@@ -245,6 +246,41 @@ def find_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     keep_moving(n, many, mode.loose, work.b.at, mode.freedom.at)
     write_bonds(e, v, w)
     least_leakage(e, mode, mode.loose, mode.freedom.at, mode.leakage)
+
+
+def count_alone(e: Engine, mode: Mode) -> None:
+    """Let laws that read what is free with a slope that is zero here, and not beside, count for it.
+
+    At rest a flow through ``k*f*abs(f)`` has no slope, and still is nothing but zero: whatever such
+    a law reads moves nowhere, if it reads nothing else that is free.
+    """
+    m = e.model
+    work = e.work
+    frees = mode.finite_frees
+    for i in range(mode.dynamics):
+        d = mode.dynamic[i]
+        empty = d >= 0
+        for j in range(frees):
+            empty = empty and work.jacobian.at[i * frees + j] == 0.0
+        if not empty:
+            continue
+        seen = 0
+        read = -1
+        for p in range(m.slope_first[d], m.slope_first[d + 1]):
+            if is_free(mode, m.slope_column[p]):
+                seen += 1
+                read = m.slope_column[p] if m.slope_isolated[p] != 0 else -1
+        if seen == 1 and read >= 0:
+            for j in range(frees):
+                work.jacobian.at[i * frees + j] = mode.finite_free.at[read * frees + j]
+
+
+def is_free(mode: Mode, b: int) -> bool:
+    """Whether a bond variable hangs on unknowns that are solved for."""
+    found = False
+    for j in range(mode.finite_frees):
+        found = found or mode.finite_free.at[b * mode.finite_frees + j] != 0.0
+    return found
 
 
 def keep_moving(n: int, many: int, kept: int, found: Floats, freedom: Floats) -> None:

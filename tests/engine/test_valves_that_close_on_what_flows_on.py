@@ -1,0 +1,80 @@
+"""A valve closes to nothing on what flows on: what the refusal offers does serve."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import hybond as hb
+
+PRESSURE, INERTANCE, LOSS, K, LAMINAR = 5e6, 1e7, 1e7, 3.3e-7, 1e6
+OPENING = "1 - time/(0.1 [s])"
+LAW = f"{K}*e/(e^2 + {LAMINAR})^(1/4)"
+
+
+def line(opening: str, *, turned: bool = False, leak: float = 0.0) -> hb.Model:
+    """A line with inertia behind a valve."""
+    m = hb.Model("line")
+    m.add(source=hb.Se(PRESSURE), inertia=hb.I(INERTANCE), flow=hb.One(), loss=hb.R(LOSS))
+    m.add(valve=hb.R({"f": f"opening*{LAW}"}), port=hb.Zero(), gate=hb.One())
+    m.signal(opening=opening)
+    m.bond("source -> flow", "flow -> inertia", "flow -> loss", "gate -> valve")
+    m.bond(*(("port -> flow", "gate -> port") if turned else ("flow -> port", "port -> gate")))
+    if leak:
+        m.add(leak=hb.G(leak))
+        m.bond("port -> leak")
+    return m
+
+
+def switched(*, turned: bool) -> hb.Model:
+    m = line(OPENING, turned=turned)
+    rules = ["open -> closed when opening <= 1e-4", "closed -> open when opening > 1e-4"]
+    m.machine("spool", states={"open": ["gate"], "closed": []}, start="open", rules=rules)
+    return m
+
+
+def known(times: list[float]) -> np.ndarray:
+    """Return the flow while the valve closes, its law turned round."""
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        x = y[0] / (K * (1.0 - t / 0.1))
+        e = math.sqrt(0.5 * (x**4 + math.sqrt(x**8 + 4.0 * LAMINAR * x**4)))
+        return [(PRESSURE - LOSS * y[0] - math.copysign(e, x)) / INERTANCE]
+
+    return solve_ivp(rates, (0.0, times[-1]), [0.0], "Radau", times, rtol=1e-9, atol=1e-15).y[0]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("remedy", ["a little left", "a leak", "a machine"])
+def test_what_is_offered_closes_the_valve(remedy: str, turned: bool) -> None:
+    m = switched(turned=turned)
+    if remedy == "a little left":
+        m = line(f"max(1e-4, {OPENING})", turned=turned)
+    if remedy == "a leak":
+        m = line(f"max(0, {OPENING})", turned=turned, leak=1e-14)
+    run = hb.simulate(m, 0.2)
+    times = [0.02, 0.05, 0.08, 0.099]
+    np.testing.assert_allclose(run["inertia.f"].at(times), known(times), rtol=1e-6, atol=1.1e-7)
+    # a ten thousandth of the opening, or what leaks
+    assert abs(run["inertia.f"].at(0.2)) < 1.01e-4 * K * math.sqrt(PRESSURE)
+    assert run.audit().holds()
+
+
+@pytest.mark.parametrize("opening", [f"max(0, {OPENING})", f"max(min({OPENING}, 1), 0)"])
+def test_a_valve_that_closes_to_nothing_is_told_to_keep_a_little(opening: str) -> None:
+    """It was told of a resistor beside it alone."""
+    with pytest.raises(hb.HybondError) as refused:
+        hb.simulate(line(opening), 0.2)
+    assert refused.value.code == "HB-N301"
+    assert "what multiplies the law of valve goes to zero" in str(refused.value)
+    assert "max(1e-4, ...)" in str(refused.value)
+
+
+def test_laws_that_nothing_multiplies_are_not_said_to_be_valves() -> None:
+    m = hb.Model("asked for too much")
+    m.add(V=hb.Se(2.0), d=hb.R({"f": "tanh(e)"}), r=hb.R({"f": "e^2 + 3"}), j=hb.One())
+    m.bond("V -> j -> d", "j -> r")
+    with pytest.raises(hb.HybondError, match="HB-N301") as refused:
+        hb.simulate(m, 1)
+    assert "multiplies" not in str(refused.value)
