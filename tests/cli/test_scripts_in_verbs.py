@@ -126,3 +126,35 @@ def test_windows_that_are_longer_than_the_run_are_refused_by_check(
         assert "HB-R102 at" in done.err and "rc.toml:14: experiment.measure[0]" in done.err
     # as the run itself has it
     assert ("nothing" in shell("run", file).out) is not fits
+
+
+MACHINE = """\
+[machines.jets]
+states = { fill = ["v"], dump = [] }
+start = "fill"
+rules = ["fill -> dump when C.e > 50 V"]
+"""
+
+
+@pytest.mark.parametrize("path, value", [("jets", "dump"), ("jets.start", "dump"), ("jets", "fil")])
+def test_a_step_that_sets_a_machine_is_told_what_would_work(
+    shell: Any, path: str, value: str
+) -> None:
+    """`jets` was told `jets.start`, which was refused in its turn."""
+    steps = '[[experiment.script]]\nlasts = "1 s"\n[[experiment.script]]\nlasts = "1 s"\n'
+    head, experiment = RC.split("[experiment]")
+    text = f"{head}{MACHINE}[experiment]{experiment}{steps}"
+    file = shell.file("rc.toml", f'{text}set = {{ "{path}" = "{value}" }}\n')
+    done = shell("check", file)
+    assert (
+        done.code == 1
+        and "HB-S141" in done.err
+        and f"rc.toml:{len(text.splitlines()) + 1}" in done.err
+    )
+    assert "jets is a machine, which changes its state by its own rules" in done.err
+    # as the remedy says
+    assert "go = 0, in a rule 'fill -> dump when go > 0.5', and set go = 1" in done.err
+    mended = text.replace("[parameters]", "[parameters]\ngo = 0")
+    mended = mended.replace("when C.e > 50 V", "when go > 0.5") + "set = { go = 1 }\n"
+    done = shell("run", shell.file("rc.toml", mended))
+    assert done.code == 0 and "t = 1 s  change  jets  fill -> dump" in done.out

@@ -17,7 +17,7 @@ from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import Settings, notices, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
-from hybond.model.graph import FlatGraph
+from hybond.model.graph import FlatGraph, Machine
 from hybond.model.kept import kept_graph, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
@@ -340,6 +340,9 @@ class _Writing:
         self._now: dict[str, Value] = dict(parameters)
         for k, step in enumerate(steps):
             for path, value in step.set.items():
+                machine = _machine_of(path, base)
+                if machine is not None:
+                    raise self._refused(k, path, *_of_a_machine(machine))
                 if path.rpartition(".")[2] in STARTS and path not in base.parameters:
                     raise self._refused(k, path, "it says where the model starts", "a parameter")
                 if path in self._now or path not in base.parameters:
@@ -376,6 +379,22 @@ class _Writing:
             where=f"steps[{k}].set.{path}",
             hint=hint or did_you_mean(path, ()) or "a parameter, the value of an element, an input",
         )
+
+
+def _machine_of(path: str, graph: FlatGraph) -> Machine | None:
+    """Return the machine that a path names, or whose start or state."""
+    base, _, last = path.rpartition(".")
+    own = (path, base) if last in ("start", "state") else (path,)
+    return next((m for m in graph.machines if m.path in own and m.law is None), None)
+
+
+def _of_a_machine(machine: Machine) -> tuple[str, str]:
+    """Return why a script sets no state of a machine, and what does."""
+    a, b = (*machine.states, *machine.states)[:2]
+    return (
+        f"{machine.path} is a machine, which changes its state by its own rules",
+        f"let a parameter ask for it, go = 0, in a rule '{a} -> {b} when go > 0.5', and set go = 1",
+    )
 
 
 def _said(items: Sequence[Any]) -> list[Any]:

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import NoReturn
 
 from hybond.errors import ExpressionError, UnitError
+from hybond.model.expressions.as_in_circuits import called_as_in_circuits
 from hybond.model.expressions.tree import (
     FUNCTIONS,
     GATHER,
@@ -107,6 +108,10 @@ _WRITTEN = {
     **dict.fromkeys(
         ("delay", "delayed"),
         "a delay is a part: control.sampled_delay of samples, control.delay approximately",
+    ),
+    **dict.fromkeys(
+        ("mean", "average", "rms", "peak", "std"),
+        "what is measured of a run is no signal: hybond measure, run[...].mean()",
     ),
     **TIMERS,
 }
@@ -405,7 +410,8 @@ class _Parser:
         if not self.is_mark("("):
             return Number(math.pi) if token.text == "pi" else Name(token.text)
         if token.text != "pre" and token.text not in FUNCTIONS and token.text not in GATHER:
-            hint = _WRITTEN.get(token.text.lower(), "")
+            hint = called_as_in_circuits(token.text, self.text[token.at + len(token.text) :])
+            hint = hint or _WRITTEN.get(token.text.lower(), "")
             hint = hint or did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
             self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
         opened = self.take()
