@@ -11,7 +11,7 @@ from hybond.measures.window import count_of, duration_of, frequency_of, time_of
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
-from hybond.units import parse_unit, try_quantity
+from hybond.units import is_of, try_quantity
 
 LEVELS = ("level", "initial", "final")
 """Arguments that are values of what is measured."""
@@ -115,10 +115,7 @@ def level_of(value: float | str, unit: str, name: str, where: str = "level") -> 
     if not isinstance(value, str):
         return float(value)
     found = try_quantity(value)
-    fits = found is not None and (
-        not unit or found.dimension in (parse_unit(unit)[1], parse_unit("1")[1])
-    )
-    if found is None or not fits:
+    if found is None or not is_of(found, unit):
         raise UsageError(
             f"{value!r} is not a value of {name}",
             code="HB-R101",
