@@ -26,6 +26,8 @@ def loop(domain: str, bonds: str = "u -> j -> r") -> hb.Model:
         ("hydraulic", "c.pressure", "c.e"),
         ("hydraulic", "r.flow", "r.f"),
         ("hydraulic", "u.p", "u.e"),
+        ("hydraulic", "r.Q", "r.f"),
+        ("translational", "c.F", "c.e"),
         ("translational", "l.velocity", "l.f"),
         ("translational", "l.v", "l.f"),
         ("translational", "c.force", "c.e"),

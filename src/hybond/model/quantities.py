@@ -30,11 +30,20 @@ _STORED = {
     "p": ("momentum", "flux", "flux_linkage", "impulse", "pressure_momentum"),
 }
 _GENERAL = {"e": ("effort", "across"), "f": ("flow", "through")}
+_LETTERS = {
+    ("hydraulic", "Q"): "f",
+    ("translational", "F"): "e",
+    ("thermal_pseudo", "Q"): "f",
+}
+"""Capital letters: small ones mean something else here."""
 _POWER = ("power", "pow", "watt", "watts")
 
 
 def _variable(word: str, domain: str) -> str:
     """Return ``e`` or ``f`` for a word, in a domain or, if that has no such word, in any."""
+    if (domain, word) in _LETTERS:
+        return _LETTERS[domain, word]
+    word = word.lower()
     for kind, by_domain in (("e", _EFFORTS), ("f", _FLOWS)):
         if word in by_domain.get(domain, ()) or word in _GENERAL[kind]:
             return kind
@@ -67,10 +76,10 @@ def called_otherwise(text: str, node: Node, known: Collection[str]) -> str:
     domain = node.domain
     if word in _POWER and f"{owner}.e" in known and f"{owner}.f" in known:
         return f"the power of {owner} is {owner}.e*{owner}.f"
-    for stored, words in _STORED.items():
+    for stored, words in () if (domain.name, said) in _LETTERS else _STORED.items():
         if word in words and f"{owner}.{stored}" in known:
             return f"the {said} of {owner} is {owner}.{stored}"
-    variable = _variable(word, domain.name)
+    variable = _variable(said, domain.name)
     if not variable:
         return ""
     kind = "effort" if variable == "e" else "flow"

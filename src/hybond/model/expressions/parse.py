@@ -85,6 +85,8 @@ def _is_unit(text: str) -> bool:
     return True
 
 
+_COMMA = re.compile(r"(?<![\w.])(\d+)(,)(\d+(?:[eE][+-]?\d+)?)")
+"""A number as half of the world writes it: 1,5."""
 TIMERS = dict.fromkeys(
     ("after", "dwell", "elapsed", "timer"),
     "a part, control.timer, counts the time spent in a state, and is 1 once that is over",
@@ -270,6 +272,9 @@ class _Parser:
             hint = f"take out what stands from {self.now} on"
             if self.now.kind in ("name", "number", "string") or self.now.text == "(":
                 hint = "write * for a product"
+            comma = _COMMA.search(self.text)
+            if comma and comma.start(2) == self.now.at:
+                hint = f"a decimal fraction has a point: {comma[1]}.{comma[3]}"
             self.fail(f"expected an operator or the end, found {self.now}", self.now.at, hint=hint)
         if depth(e) > MAX_DEPTH:
             why = f"more than {MAX_DEPTH} operators follow one another"
