@@ -71,7 +71,8 @@ def called(
                 signed().bind(*args, **given)
             except TypeError:
                 why, hint = _misfit(name, signed(), args, given)
-                remedy = f"{hint} As in {example}" if hint else example
+                stop = "" if hint.endswith(("?", ".")) else "."
+                remedy = f"{hint}{stop} As in {example}" if hint else example
                 raise kind(why, code=code, where=name, hint=remedy) from None
             try:
                 return function(*args, **given)

@@ -61,11 +61,18 @@ _MEANT = {
         **dict.fromkeys(("y", "x", "states", "values", "data"), 'run["x"].y; run.names lists x'),
         **dict.fromkeys(("signals", "keys", "variables"), "run.names"),
         **dict.fromkeys(("success", "message"), "run.status and run.error"),
+        **dict.fromkeys(("to_dataframe", "dataframe", "df", "to_df"), "run.to_pandas()"),
         **dict.fromkeys(("save", "to_file"), 'run.to_csv("run.csv"), run.to_npz("run.npz")'),
     },
     "Signal": {
         **dict.fromkeys(("time", "times", "x"), "signal.t"),
         **dict.fromkeys(("value", "values", "data", "v"), "signal.y; signal.at(0.1) at a time"),
+        **dict.fromkeys(("average", "avg"), "signal.mean()"),
+        **dict.fromkeys(
+            ("final", "last", "end"), "signal.y[-1]; run.final['c.e'] of what is stored"
+        ),
+        **dict.fromkeys(("maximum", "peak"), "signal.max()"),
+        **dict.fromkeys(("minimum", "valley"), "signal.min()"),
     },
 }
 """What somebody who comes from elsewhere asks objects for, and how it is said here."""

@@ -316,6 +316,9 @@ def test_an_oscillator_without_a_rest_starts_from_zero(read, law, low, high, fir
     deck = read(rows)
     (warning,) = (str(w) for w in deck.warnings if "rest" in str(w))
     assert "the start is that of uic" in warning
+    # the whole reason: it was cut in the middle
+    assert "time cannot advance at t = 0 s: the modes (" in warning and "..." not in warning
+    assert warning.endswith("follow each other without end")
     run = hb.simulate(deck.model)
     # each side in its turn until the capacitor is at the divider's threshold
     times, at, level, levels = [], 0.0, 0.0, (-3.0 if "+1" in law else -5.0, 5.0)

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-import hybond.cli.measure as measuring
+import hybond.cli.running as running
 from hybond.engine.outcome.unsound import unsound_refusal
 from hybond.runs.trace import Violation
 
@@ -102,7 +102,7 @@ def test_a_measurement_that_a_run_can_give_is_fine(shell: Any) -> None:
 
 def test_a_level_is_refused_before_the_run_that_is_measured(shell: Any, monkeypatch: Any) -> None:
     shell.file("rc.toml", RC.replace("@BONDS@", STRAIGHT))
-    monkeypatch.setattr(measuring, "simulate_with", None)  # nothing runs
+    monkeypatch.setattr(running, "simulate_with", None)  # nothing runs
     done = shell("measure", "rc.toml", "mean(C.e)", "frequency(C.e, level=5 A)")
     assert done.code == 1 and "HB-R101 at frequency(C.e, level=5 A)" in done.err
 
@@ -112,7 +112,7 @@ def test_measurements_of_a_run_whose_laws_do_not_hold_say_so_beside_them(
 ) -> None:
     """A table that is kept without what went to stderr looked like that of a sound run."""
     shell.file("rc.toml", RC.replace("@BONDS@", STRAIGHT))
-    simulate = measuring.simulate_with
+    simulate = running.simulate_with
 
     def unsound(*args: Any, **options: Any) -> Any:
         run = simulate(*args, **options)
@@ -121,7 +121,7 @@ def test_measurements_of_a_run_whose_laws_do_not_hold_say_so_beside_them(
         return run
 
     assert "laws" not in shell("measure", "rc.toml", "mean(C.e)").out
-    monkeypatch.setattr(measuring, "simulate_with", unsound)
+    monkeypatch.setattr(running, "simulate_with", unsound)
     done = shell("measure", "rc.toml", "mean(C.e)")
     assert done.code == 3 and "laws do not hold from 0.002 s on, of 5 ms" in done.out
 

@@ -50,3 +50,15 @@ def test_words_that_do_not_fit(shell: Any) -> None:
     ):
         done = shell("fit", model, *words)
         assert done.code in (1, 2) and code in done.err
+
+
+def test_a_fit_that_sees_no_slope_ends_with_three_and_says_why(shell: Any) -> None:
+    law = "1 [A/V^0.5]*sign(e)*sqrt(abs(e))*R/(1 ohm)"
+    hole = TANK.replace('{ R = "R" }', f'{{ R = {{ f = "{law}" }} }}')
+    hole = hole.replace('e = "2 V"', 'e = "0 V"').replace("n = {", 'u = { Sf = "1 A" }\nn = {')
+    model = shell.file("tank.toml", hole.replace("bonds = [", 'bonds = ["u -> n", '))
+    data = shell.file("data.csv", "t,c.e\n1,1\n2,0.5\n")
+    done = shell("fit", model, data, "--free", "R")
+    assert done.code == 3 and "a law has no finite slope here" in done.out
+    assert "the search did not converge" in done.err
+    assert shell("fit", model, data, "--free", "R", "--json").json["converged"] is False

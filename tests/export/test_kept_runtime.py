@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from hybond.export import kept
+from hybond.export import kept, user_folder
 from hybond.translate import load_texts
 from hybond.translate.c_printer import CPrinter
 from hybond.translate.effects import effects_of
@@ -68,6 +68,7 @@ FACTS = [
 def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Program:
     monkeypatch.setattr(kept, "place_of", lambda name: tmp_path / "there" / name)
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
     return load_texts(TEXTS)
 
 
@@ -131,7 +132,8 @@ def test_what_is_kept_of_other_sources_or_cut_off_is_not_read(
 
 
 def test_where_nothing_can_be_kept_nothing_is(program: Program, tmp_path: Path) -> None:
-    (tmp_path / "there").write_text("a file in the way", encoding="utf-8")
+    for name in ("there", "user"):
+        (tmp_path / name).write_text("a file in the way", encoding="utf-8")
     kept.keep_runtime(read(program))
     assert kept.runtime_kept() is None
     assert kept.printed_kept("c") == kept.Printed()
@@ -146,6 +148,78 @@ def test_what_is_printed_is_kept_with_what_it_uses(program: Program) -> None:
     assert kept.printed_kept("java") == kept.Printed()
 
 
+@pytest.mark.parametrize("why", ["no bytecode", "read only", "no place"])
+def test_where_python_writes_no_bytecode_it_is_kept_with_the_user(
+    program: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, why: str
+) -> None:
+    """An installation that is read only took seconds for each export."""
+    if why == "no bytecode":
+        monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    elif why == "read only":
+        (tmp_path / "there").write_text("a file in the way", encoding="utf-8")
+    else:
+        monkeypatch.setattr(kept, "place_of", lambda name: None)
+    whole = read(program)
+    kept.keep_runtime(whole)
+    assert not (tmp_path / "there" / "read").exists()
+    (file,) = (tmp_path / "user" / "hybond").iterdir()
+    back = kept.runtime_kept()
+    assert back is not None and back.effects == whole.effects
+    file.write_bytes(file.read_bytes()[:-1])
+    assert kept.runtime_kept() is None
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="rights as POSIX has them")
+@pytest.mark.parametrize("what", ["file", "folder", "link", "linked folder", "of another"])
+def test_what_others_can_have_written_is_not_read(
+    program: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    kept.keep_runtime(read(program))
+    folder = tmp_path / "user" / "hybond"
+    (file,) = folder.iterdir()
+    assert kept.runtime_kept() is not None and folder.stat().st_mode & 0o077 == 0
+    if what == "file":
+        file.chmod(0o666)
+    elif what == "folder":
+        folder.chmod(0o777)
+    elif what == "link":
+        os.link(file, tmp_path / "other")
+        file.unlink()
+        file.symlink_to(tmp_path / "other")
+    elif what == "linked folder":
+        folder.rename(tmp_path / "other")
+        folder.symlink_to(tmp_path / "other")
+    else:
+        real = os.getuid()
+        monkeypatch.setattr(os, "getuid", lambda: real + 1)
+    assert kept.runtime_kept() is None
+
+
+def test_files_of_other_versions_are_taken_away(
+    program: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    whole = read(program)
+    for k in range(20):
+        monkeypatch.setattr(kept, "stamp", lambda k=k: bytes([k]) * 32)
+        kept.keep_runtime(whole)
+    monkeypatch.undo()
+    assert len(list((tmp_path / "user" / "hybond").iterdir())) == user_folder.FILES
+
+
+@pytest.mark.parametrize("given", ["", "relative/path"])
+def test_the_folder_of_the_user_follows_the_rules_of_xdg(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, given: str
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", given)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr(sys, "platform", "linux")
+    assert user_folder.user_folder() == tmp_path / ".cache" / "hybond"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "own"))
+    assert user_folder.user_folder() == tmp_path / "own" / "hybond"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("target", ["c", "java"])
 def test_a_program_that_is_exported_again_is_the_same(tmp_path: Path, target: str) -> None:
@@ -153,6 +227,7 @@ def test_a_program_that_is_exported_again_is_the_same(tmp_path: Path, target: st
     said = []
     for more in ({}, {}, {"PYTHONDONTWRITEBYTECODE": "1"}):
         here = {**os.environ, "PYTHONPYCACHEPREFIX": str(tmp_path / "kept")}
+        here["XDG_CACHE_HOME"] = str(tmp_path / "user")
         here.pop("PYTHONDONTWRITEBYTECODE", None)
         ball = ["export", "examples/bouncing_ball.toml", "--to", target, "--out", "-"]
         done = subprocess.run(

@@ -241,3 +241,34 @@ def test_what_only_rounding_tells_has_no_interval() -> None:
     found = hb.fit(m, {"time": t, "h": 10.0 - 0.5 * 9.81 * t**2}, free=["m", "g"])
     assert found["g"] == pytest.approx(9.81, rel=1e-9)
     assert any("do not tell m" in note for note in found.notes) and found.high[0] == np.inf
+
+
+def filled(law: str) -> hb.Model:
+    m = hb.Model("filled", domain="hydraulic", parameters={"k": 2e-6, "q": 1e-4})
+    m.add(pump=hb.Sf("q"), tank=hb.C(4e-6), n=hb.Zero(), hole=hb.R({"f": law}))
+    m.bond("pump -> n -> tank", "n -> hole")
+    return m
+
+
+@pytest.mark.parametrize("free", ["k", "q"])
+@pytest.mark.parametrize("law", ["k*sign(e)*sqrt(abs(e))", "k*sqrt(max(e, 0))"])
+def test_a_fit_without_a_slope_has_not_converged_and_says_why(law: str, free: str) -> None:
+    data = {"time": [1.0, 5.0, 9.0], "tank.e": [20.0, 80.0, 130.0]}
+    found = hb.fit(filled(law), data, free=[free])
+    assert not found.converged
+    assert "no measurement has a slope: at t = 0 s a law has no finite slope here" in str(found)
+    assert str(found).count("converged") == 1
+
+
+def test_a_fit_of_which_some_measurements_have_a_slope_says_where_slopes_end() -> None:
+    # a tank that fills from 1 s on, when its orifice opens, which has an infinite slope there
+    m = hb.Model("late", parameters={"k": 2.0, "q": 1.0})
+    m.add(pump=hb.Sf("if time < 1 then 0*q else q"), tank=hb.C(1.0), n=hb.Zero(), v=hb.One())
+    m.add(hole=hb.R({"f": "k*sign(e)*sqrt(abs(e))"}), c=hb.C(1.0, e=1.0), r=hb.R("q"), j=hb.Zero())
+    m.bond("pump -> n -> tank", "n -> v -> hole", "j -> c", "j -> r")
+    m.machine("V", states={"shut": [], "open": ["v"]}, start="shut",
+              rules=["shut -> open when time >= 1"])  # fmt: skip
+    t = np.array([0.25, 0.5, 1.5])
+    found = hb.fit(m, {"time": t, "c.e": np.exp(-t)}, free=["q"])
+    assert "1 measurement without a slope: derivatives end before: at t = 1 s" in str(found)
+    assert "a law has no finite slope here" in str(found) and found.converged

@@ -30,6 +30,11 @@ def discharge() -> hb.Model:
         ("run", "evnts", "did you mean 'events'"),
         ("signal", "value", "signal.y"),
         ("signal", "integal", "did you mean 'integral'"),
+        ("signal", "final", "signal.y[-1]"),  # it was told 'integral'
+        ("signal", "average", "signal.mean()"),
+        ("signal", "peak", "signal.max()"),
+        ("run", "to_dataframe", "run.to_pandas()"),
+        ("run", "df", "run.to_pandas()"),
     ],
 )
 def test_what_is_not_there_is_named_with_what_is_meant(owner: str, name: str, meant: str) -> None:

@@ -89,7 +89,7 @@ def operating_point(
     except HybondError as error:
         if error.code == NEVER_SETTLES and deck.transient is not None:
             # an oscillator: SPICE gives what its search for a rest has come to when it gives up
-            notices.add(deck.transient.line, f"{NO_REST}: {shortened(error.why)}")
+            notices.add(deck.transient.line, f"{NO_REST}: {error.why}")
             held = {key: value for key, value, _ in forced}
             return [with_nodes(leaf, held) for leaf in cleared]
         why = f"with coils as wires and capacitors open the circuit has no rest: {error.why}"

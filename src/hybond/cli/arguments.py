@@ -27,6 +27,7 @@ from hybond.cli.shared_words import (
     limits_words,
     option_word,
     picture_word,
+    script_word,
     settings_words,
     solver_words,
 )
@@ -334,9 +335,7 @@ def _run(verbs: Any) -> None:
     run.add_argument(
         "--save-state", metavar="FILE", help="write the state at the end, a .json to start from"
     )
-    run.add_argument(
-        "--no-script", action="store_true", help="one run, though the file has a script"
-    )
+    script_word(run)
     limits_words(run)
     run.add_argument("--at", metavar="T,...", action="append", help="sample times, as 0.5,'50 ms'")
     run.add_argument(
@@ -365,6 +364,7 @@ def _measure(verbs: Any) -> None:
     measure = measure_words(_verb, verbs)
     settings_words(measure)
     solver_words(measure)
+    script_word(measure)
 
 
 def _fit(verbs: Any) -> None:
@@ -381,6 +381,7 @@ def _explain(verbs: Any) -> None:
     explain.add_argument("--at", metavar="T", help="only the event nearest to this time")
     settings_words(explain)
     solver_words(explain)
+    script_word(explain)
     limits_words(explain)
 
 

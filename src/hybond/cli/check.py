@@ -118,10 +118,9 @@ def _sound(given: Namespace, model: Model) -> FlatGraph:
     graph = changed.flatten(parameters=parameters)
     check_experiment(graph)
     check_run(graph)
-    check_script(changed, graph, parameters)
-    until = time_in(graph.experiment.get("until"))
-    if not graph.experiment.get("script"):
-        asked_of_experiment(graph, seconds_of(until, "until"))
+    latest = check_script(changed, graph, parameters)
+    until = seconds_of(time_in(graph.experiment.get("until")), "until")
+    asked_of_experiment(graph, until if latest is None else latest)
     return graph
 
 

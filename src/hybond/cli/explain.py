@@ -6,8 +6,10 @@ import textwrap
 from argparse import Namespace
 from collections.abc import Iterator
 
-from hybond.cli.lists import run_until
-from hybond.cli.running import ending, exit_code, read_graph, simulate_with
+from hybond.cli.lists import check_experiment
+from hybond.cli.netlists import read_model
+from hybond.cli.running import ending, exit_code, run_with
+from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.errors import HybondError
 from hybond.model.dimensions import infer_dimension
@@ -20,10 +22,11 @@ from hybond.units import format_quantity, parse_unit
 
 def explain(given: Namespace) -> int:
     """Simulate and print the event table, then each event in full."""
-    graph = read_graph(given.file, given.settings)
-    until, end = run_until(graph, given.until)
+    model = read_model(given.file)[0]
+    graph = flatten_with(model, given.settings)
+    check_experiment(graph)
     at = None if given.at is None else seconds(given.at, "--at")
-    run = simulate_with(graph, until, given, end=end)
+    run = run_with(model, graph, given)
     say(explanation(run, at))
     if run.error is not None:
         complain(str(run.error))

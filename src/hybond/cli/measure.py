@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from hybond.cli.lists import check_experiment, run_until
+from hybond.cli.lists import check_experiment
 from hybond.cli.netlists import in_words_of, read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.record import VERSION, to_json
-from hybond.cli.running import ending, exit_code, simulate_with
+from hybond.cli.running import ending, exit_code, run_with
 from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -43,8 +43,7 @@ def measure(given: Namespace) -> int:
             where="hybond measure",
             hint="'mean(L.f)', --losses, or [experiment] measure in the file; --list has them all",
         )
-    until, end = run_until(graph, given.until)
-    run = simulate_with(graph, until, given, end=end)
+    run = run_with(model, graph, given)
     values, problems = measures_record(run, asked)
     table = _losses(run, given, problems) if given.losses else None
     if plot is not None:

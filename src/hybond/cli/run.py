@@ -19,7 +19,7 @@ from hybond.cli.netlists import (
 )
 from hybond.cli.outputs import PICTURES, TABLES, write_all
 from hybond.cli.record import run_record, sampled, to_json, units_of
-from hybond.cli.running import ending, exit_code, script_with, simulate_with
+from hybond.cli.running import ending, exit_code, has_script, run_with
 from hybond.cli.settings import flatten_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -44,16 +44,12 @@ def run(given: Namespace) -> int:
     model, conversion = read_model(given.file, given.diode_current)
     graph = flatten_with(model, given.settings)
     check_experiment(graph)
-    scripted = bool(graph.experiment.get("script")) and not given.no_script
-    until, end = (None, math.inf) if scripted else run_until(graph, given.until)
+    end = math.inf if has_script(graph, given) else run_until(graph, given.until)[1]
     times = sample_times(given.at or [], end)
     named = in_words_of(conversion, split(given.signals or []))
     signals = check_signals(graph, named, "--signals")
 
-    if scripted:
-        result: Result = script_with(model, given)
-    else:
-        result = simulate_with(graph, until, given, end=end)
+    result = run_with(model, graph, given)
     asked = asked_of_experiment(graph)
     measured = measurements(result, conversion)
     suggested = notes(result, conversion)

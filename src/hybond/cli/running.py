@@ -6,7 +6,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from hybond.cli.interrupt import Interruptible
-from hybond.cli.lists import check_experiment
+from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import read_model
 from hybond.cli.settings import changed_with, flatten_with
 from hybond.cli.shared_words import options_given
@@ -34,6 +34,25 @@ def read_graph(file: str, settings: Sequence[str] = ()) -> FlatGraph:
     graph = flatten_with(read_model(file)[0], settings)
     check_experiment(graph)
     return graph
+
+
+def run_with(model: Model, graph: FlatGraph, given: Namespace) -> Result:
+    """Do the script of a model, unless it has none or ``--no-script`` is given: then one run.
+
+    Parameters
+    ----------
+    graph : FlatGraph
+        Of the model, with what ``--set`` says.
+    """
+    if has_script(graph, given):
+        return script_with(model, given)
+    until, end = run_until(graph, given.until)
+    return simulate_with(graph, until, given, end=end)
+
+
+def has_script(graph: FlatGraph, given: Namespace) -> bool:
+    """Whether a script is to be done."""
+    return bool(graph.experiment.get("script")) and not given.no_script
 
 
 def simulate_with(
@@ -79,7 +98,7 @@ def script_with(model: Model, given: Namespace) -> ScriptResult:
             hint="--until 10s, or --no-script",
         )
     for name in ("keep", "journal"):
-        if getattr(given, name) is not None:
+        if getattr(given, name, None) is not None:
             raise UsageError(
                 f"the run of a script has no {name}",
                 code="HB-S113",

@@ -34,6 +34,13 @@ def picture_word(parser: ArgumentParser, what: str = "plot") -> None:
     parser.add_argument("--plot", metavar="FILE", help=f"{what} as .png, .svg or .pdf")
 
 
+def script_word(parser: ArgumentParser) -> None:
+    """Add that the script of a file is left out."""
+    parser.add_argument(
+        "--no-script", action="store_true", help="one run, though the file has a script"
+    )
+
+
 def workers_word(parser: ArgumentParser) -> None:
     """Add how many threads there are."""
     parser.add_argument(

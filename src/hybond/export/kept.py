@@ -1,8 +1,9 @@
 """The runtime as it was read, and its functions as they were printed, kept from call to call.
 
 Reading the runtime takes seconds, and it changes with hybond only. What was read is kept beside
-Python's bytecode, and so is what was printed in each language. The files are of one digest of the
-sources; where they are not, or cannot be written, everything is read and printed anew.
+Python's bytecode, and so is what was printed in each language; where Python writes none, in the
+folder of the user for such files. The files are of one digest of the sources; where they are not,
+or cannot be written, everything is read and printed anew.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from threading import get_ident
 from typing import Any
 
 from hybond.engine.compiled.sources import digest
+from hybond.export.user_folder import make_own, read_own, tidy, user_folder
 from hybond.translate.effects import Effects
 from hybond.translate.modules import Program
 from hybond.translate.reach import Uses
@@ -80,9 +82,18 @@ def stamp() -> bytes:
 
 
 def place_of(name: str) -> Path | None:
-    """Return the file for something that is kept; None where Python keeps no bytecode."""
+    """Return the file for something that is kept beside bytecode; None where there is none."""
     cached = __spec__.cached
     return Path(cached).parent / f"_runtime.{name}" if cached else None
+
+
+def own_place_of(name: str) -> Path | None:
+    """Return the file for something that is kept in the folder of the user; None without one.
+
+    Several versions of hybond may be there: each has files of its own.
+    """
+    folder = user_folder()
+    return folder / f"runtime-{stamp().hex()[:12]}.{name}" if folder is not None else None
 
 
 def runtime_kept() -> Read | None:
@@ -123,33 +134,53 @@ def keep_printed(language: str, printed: Printed) -> None:
 
 def _read(name: str) -> Any:
     """Return what a file holds, None if there is none of these sources, or not all of it."""
-    place = place_of(name)
-    if place is None:
-        return None
+    place, own = place_of(name), own_place_of(name)
+    found = None if place is None else _whole(_bytes_of(place))
+    if found is None and own is not None:
+        found = _whole(read_own(own))
+    return None if found is None else restored(found)
+
+
+def _bytes_of(place: Path) -> bytes | None:
     try:
-        data = place.read_bytes()
-        if data[:32] != stamp() or data[32:64] != hashlib.sha256(data[64:]).digest():
-            return None
+        return place.read_bytes()
     except OSError:
         return None
-    return restored(data[64:])
+
+
+def _whole(data: bytes | None) -> bytes | None:
+    """Return what a file holds behind its digests, None if these are others."""
+    if data is None or data[:32] != stamp():
+        return None
+    return data[64:] if data[32:64] == hashlib.sha256(data[64:]).digest() else None
 
 
 def _write(name: str, thing: object) -> None:
-    """Write a file whole or not at all: somebody may read the old one."""
-    place = place_of(name)
-    if place is None or sys.dont_write_bytecode:
-        return
+    """Write beside bytecode where Python would, else into the folder of the user."""
     data = stored(thing)
+    place, own = place_of(name), own_place_of(name)
+    if place is not None and not sys.dont_write_bytecode and _written(place, data):
+        return
+    if own is not None and make_own(own.parent) and _written(own, data, 0o600):
+        tidy(own.parent, "runtime-*")
+
+
+def _written(place: Path, data: bytes, mode: int | None = None) -> bool:
+    """Write a file whole or not at all: somebody may read the old one. Whether that is done."""
     if len(data) > MOST:
         with suppress(OSError):
             place.unlink()
-        return
+        return True
     new = place.with_name(f"{place.name}.{os.getpid()}.{get_ident()}")
-    with suppress(OSError):
+    try:
         place.parent.mkdir(parents=True, exist_ok=True)
         try:
             new.write_bytes(stamp() + hashlib.sha256(data).digest() + data)
+            if mode is not None:
+                new.chmod(mode)
             os.replace(new, place)
         finally:
             new.unlink(missing_ok=True)
+    except OSError:
+        return False
+    return True

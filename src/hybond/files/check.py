@@ -101,6 +101,17 @@ def check(data: Any, shape: Any, place: Place) -> None:
         raise _located(data, shape, place, str(error)) from None
 
 
+_SECTIONS = {
+    **dict.fromkeys(
+        ("simulation", "simulate", "run", "solver", "settings", "options"), "experiment"
+    ),
+    **dict.fromkeys(("components", "nodes", "parts"), "elements"),
+    **dict.fromkeys(("bonds", "connections", "connect", "wires", "edges"), "graph"),
+    **dict.fromkeys(("params", "constants", "variables"), "parameters"),
+    **dict.fromkeys(("outputs", "observables"), "signals"),
+    **dict.fromkeys(("states", "state_machines", "switches", "modes"), "machines"),
+}
+"""What sections of a model are called elsewhere."""
 _STARTS = (("q", "e"), ("p", "f"))
 """What is stored in a C and in an I, and what is measured of it: either says where it starts."""
 
@@ -152,7 +163,8 @@ def _located_in_record(
     for key in data:
         if key not in fields:
             what = "section or key of a model" if "elements" in fields else "key here"
-            hint = did_you_mean(key, fields)
+            meant = _SECTIONS.get(key.lower()) if "elements" in fields else None
+            hint = f"did you mean {meant!r}?" if meant else did_you_mean(key, fields)
             stored = [pair for pair in _STARTS if fields.keys() >= set(pair)]
             if stored and not hint.startswith("did"):  # most often how it starts is meant
                 hint = f"{hint}; it starts at {' or '.join(stored[0])}: {stored[0][1]} = ..."

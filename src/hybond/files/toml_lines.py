@@ -86,12 +86,18 @@ def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
     --------
     >>> find_line('[graph]\nbonds = [\n "a -> b",\n "b -> c",\n]\n', ("graph", "bonds", 1))
     4
+    >>> find_line("[[step]]\nuntil = 1\n[[step]]\nuntil = 2\n", ("step", 1, "until"))
+    4
     """
     first = next((k for k, key in enumerate(path) if isinstance(key, int)), len(path))
     names = tuple(str(key) for key in path[:first])
+    found = list(statements(text))
+    heads = [k for k, s in enumerate(found) if s.header and s.path == names]
+    if first < len(path) and len(heads) > int(path[first]):
+        return _line_in_table(text, found, heads, path, first)
     best: Statement | None = None
     inside: int | None = None
-    for s in statements(text):
+    for s in found:
         n = len(s.path)
         if names[:n] == s.path and (best is None or n > len(best.path)):
             best = s
@@ -103,6 +109,23 @@ def find_line(text: str, path: tuple[str | int, ...]) -> int | None:
     if best and len(best.path) == len(names):
         return best.first + 1
     return inside or (best.first + 1 if best else None)
+
+
+def _line_in_table(
+    text: str, found: list[Statement], heads: list[int], path: tuple[str | int, ...], first: int
+) -> int:
+    """Return the line of a path that leads into one of several tables, ``[[a.b]]``."""
+    index = int(path[first])
+    names, rest = found[heads[index]].path, path[first + 1 :]
+    end = heads[index + 1] if index + 1 < len(heads) else len(found)
+    best = found[heads[index]]
+    for s in found[heads[index] + 1 : end]:
+        own = s.path[len(names) :]
+        if s.path[: len(names)] == names and own == rest[: len(own)]:
+            best = s if len(s.path) > len(best.path) else best
+    if best.header or best.last == best.first:
+        return best.first + 1
+    return best.first + 1 + _lines_down(text, best.value, rest[len(best.path) - len(names) :])
 
 
 def _lines_down(text: str, start: int, path: tuple[str | int, ...]) -> int:

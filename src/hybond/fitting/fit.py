@@ -33,6 +33,7 @@ from hybond.fitting.varied import Scale, scale_of
 from hybond.model.builder import Model
 from hybond.model.parts import Value
 from hybond.model.unit_words import unit_of
+from hybond.names import plural
 from hybond.runs.asked import MethodOptions, opened
 from hybond.units import is_of, try_quantity
 
@@ -292,9 +293,13 @@ def _record(
     if at.any():
         which = ", ".join(n for n, out in zip(scale.names, at) if out)
         notes.append(f"{which} at a bound: the interval is as if there were none")
-    if trials.missing:
-        notes.append(f"{trials.missing} measurements without a slope: derivatives end before them")
-    if not found.success:
+    blind = trials.missing == len(residuals)
+    if blind:
+        notes.append(f"not converged: no measurement has a slope: {trials.why}")
+    elif trials.missing:
+        many = f"{trials.missing} {plural('measurement', trials.missing)} without a slope"
+        notes.append(f"{many}: derivatives end before: {trials.why}")
+    if not found.success and not blind:
         notes.append(f"not converged: {found.message}")
     if found.status in (1, 2, 3, 4) and begin @ begin < residuals @ residuals:
         notes.append("no better than the start: the loss counts less than squares")
@@ -312,7 +317,7 @@ def _record(
         runs=tuple(trials.last_runs()),
         data=tuple(c.data for c in trials.cases),
         trials=trials.runs,
-        converged=bool(found.success),
+        converged=bool(found.success) and not blind,
         notes=tuple(notes),
     )
 

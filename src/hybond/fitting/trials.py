@@ -72,6 +72,8 @@ class Trials:
     runs: int = 0
     missing: int = 0
     """Residuals without a slope in the last Jacobian: behind the end of the derivatives."""
+    why: str = ""
+    """Why derivatives of the last Jacobian end, and where."""
     error: HybondError | None = None
     """Why the last trial that failed did."""
     _last: tuple[bytes, list[tuple[Result, Mapping[str, float]]], Vector] | None = field(
@@ -106,7 +108,7 @@ class Trials:
         """Return the derivatives of all residuals by values, shape (residuals, free)."""
         self.residuals(values)
         assert self._last is not None
-        self.missing = 0
+        self.missing, self.why = 0, ""
         parts = []
         for case, (run, given) in zip(self.cases, self._last[1], strict=True):
             found = slotted(case.opened, given)
@@ -118,6 +120,8 @@ class Trials:
         chain = varied.chain
         d = chain.forward()
         times = np.array([r.t for r in chain.readings])
+        if chain.ends is not None and not self.why:
+            self.why = f"at t = {chain.ends:.6g} s {chain.why}"
         rows = []
         for i, column in enumerate(case.data.columns.values()):
             size = case.sizes[case.signals[i]]

@@ -11,10 +11,13 @@ from hybond.measures.window import count_of, duration_of, frequency_of, time_of
 from hybond.model.expressions import Expr
 from hybond.model.graph import FlatGraph
 from hybond.model.unit_words import unit_of
-from hybond.units import parse_unit, try_quantity
+from hybond.units import is_of, try_quantity
 
 LEVELS = ("level", "initial", "final")
 """Arguments that are values of what is measured."""
+REACH = 1e-9
+"""Part of a run by which a window may go beyond it: rounding of times that are written."""
+LONGER = "measure within it, or let the run go on longer"
 
 
 def check_options(options: Mapping[str, Any], signal: Expr, graph: FlatGraph, name: str) -> None:
@@ -76,14 +79,29 @@ def check_within(options: Mapping[str, Any], until: float) -> None:
         HB-R102.
     """
     for key in ("start", "end", "t"):
-        if key in options and not 0.0 <= (t := time_of(options[key], key)) <= until * (1 + 1e-9):
+        if key in options and not 0.0 <= (t := time_of(options[key], key)) <= until * (1 + REACH):
             way = {"start": "the window from", "end": "the window to"}.get(key, "not to")
             raise UsageError(
                 f"the run goes from 0 to {until:.9g} s, {way} {t:.9g} s",
                 code="HB-R102",
                 where=key,
-                hint="measure within it, or let the run go on longer",
+                hint=LONGER,
             )
+    if "period" not in options:
+        return
+    # what `window_of` makes of it
+    length = count_of(options.get("periods", 1)) * duration_of(options["period"])
+    begin = time_of(options["start"], "start") if "start" in options else None
+    end = begin + length if begin is not None else time_of(options.get("end", until), "end")
+    begin = end - length if begin is None else begin
+    if begin < -REACH * until or end > until * (1.0 + REACH):
+        way = f"from {begin:.9g} s" if begin < 0.0 else f"to {end:.9g} s"
+        raise UsageError(
+            f"the run goes from 0 to {until:.9g} s, the window {way}",
+            code="HB-R102",
+            where="periods",
+            hint=LONGER,
+        )
 
 
 def level_of(value: float | str, unit: str, name: str, where: str = "level") -> float:
@@ -97,10 +115,7 @@ def level_of(value: float | str, unit: str, name: str, where: str = "level") -> 
     if not isinstance(value, str):
         return float(value)
     found = try_quantity(value)
-    fits = found is not None and (
-        not unit or found.dimension in (parse_unit(unit)[1], parse_unit("1")[1])
-    )
-    if found is None or not fits:
+    if found is None or not is_of(found, unit):
         raise UsageError(
             f"{value!r} is not a value of {name}",
             code="HB-R101",

@@ -132,9 +132,11 @@ def with_laws_of_junctions(
 
 
 def _meant(text: object) -> str:
-    """Return a rule as it may be meant, with one of the words that others write for `when`."""
+    """Return a rule as it may be meant, with the arrow and `when` for what others write."""
     parts = re.match(
-        r"\s*(\w+)\s*-+>\s*(\w+)\s*(?:if|on|at|where|,|:|\[)\s*(.+?)\]?\s*\Z", str(text)
+        r"\s*(\w+)\s*(?:[-=]+>|→|\bto\b|>)\s*(\w+)\s*"
+        r"(?:when|if|on|at|where|,|:|\[)\s*(.+?)\]?\s*\Z",
+        str(text),
     )
     if parts is None or not isinstance(text, str):
         return "closed -> open when time >= t_off"

@@ -39,6 +39,7 @@ from hybond.model.expressions.tree import any_kind, extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
 from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
+from hybond.model.quantities import called_otherwise
 from hybond.model.spelled import as_written
 from hybond.names import did_you_mean, join, port_number
 from hybond.units import Dimension
@@ -206,9 +207,14 @@ class Resolver:
                 f"{text!r} is not known here",
                 code="HB-M120",
                 where=where,
-                hint=instead_of(text, self.known(scope)),
+                hint=self._instead_of(text, path, scope),
             )
         return found
+
+    def _instead_of(self, text: str, path: str, scope: Scope) -> str:
+        known, node = self.known(scope), self.by_path.get(path.rpartition(".")[0])
+        meant = "" if node is None else called_otherwise(text, node, known)
+        return meant or instead_of(text, known)
 
     def signal(self, path: str) -> Expr:
         """Return a named signal's tree, resolved once."""

@@ -17,7 +17,7 @@ from hybond.engine.tables.bands import banded
 from hybond.engine.tables.options import Settings, notices, settings_of
 from hybond.errors import HybondError, UsageError
 from hybond.model.builder import Model
-from hybond.model.graph import FlatGraph
+from hybond.model.graph import FlatGraph, Machine
 from hybond.model.kept import kept_graph, kind_of
 from hybond.model.parts import Value
 from hybond.names import did_you_mean
@@ -140,6 +140,8 @@ def run_script(
     try:
         with shown(progress, latest) as shows:
             status, failure = rig.run(todo, begin, shows)
+    except UsageError as error:
+        raise (error if listed is None else of_script(error, base, listed)) from None
     finally:
         for runner in runners.values():
             runner.close()
@@ -151,8 +153,10 @@ def run_script(
 
 def check_script(
     model: Model, graph: FlatGraph, parameters: Mapping[str, Value] | None = None
-) -> None:
+) -> float | None:
     """Refuse a script of the experiment that `run_script` would refuse, with the line of the step.
+
+    Return when it ends at the latest, s; None if there is no script.
 
     Parameters
     ----------
@@ -169,17 +173,18 @@ def check_script(
     """
     listed = graph.experiment.get("script")
     if not listed:
-        return
+        return None
     try:
         todo = list(unrolled(steps_of(listed, SCRIPT)))
         bound = seconds_of(time_in(graph.experiment.get("until")), "limit")
-        _latest(todo, bound, None)
+        latest = _latest(todo, bound, None)
         writes = _Writing(model, graph, parameters or {}, todo)
         for k, step in enumerate(todo):
             if step.set:
                 writes.graph(k, step)
     except UsageError as error:
         raise of_script(error, graph, listed) from None
+    return latest
 
 
 def of_script(error: UsageError, graph: FlatGraph, listed: Sequence[Any]) -> UsageError:
@@ -234,7 +239,7 @@ class _Rig:
             self.done.append(_done(step, trace, begin.t, status))
             if status != "ok" or trace.carried is None:
                 break
-            if trace.ended_by == "" and _is_last_chance(step, end, self.bound):
+            if trace.ended_by == "" and end == self.bound:
                 if k + 1 < len(todo):
                     trace.warn(_over(k, step, end, len(todo)))
                 break
@@ -248,12 +253,7 @@ class _Rig:
         assert end is not None  # `_latest` has asked
         if end > begin:
             return end
-        raise UsageError(
-            f"step {k + 1} begins at {begin:.9g} s and ends at {end:.9g} s",
-            code="HB-S140",
-            where=f"steps[{k}].until",
-            hint="until is a time since the start of the run; lasts is how long",
-        )
+        raise _backwards(k, f"{begin:.9g} s", end)
 
 
 def _done(step: Step, trace: Trace, t0: float, status: Status) -> Done:
@@ -277,8 +277,11 @@ def _latest(steps: Sequence[Step], bound: float | None, start: Start) -> float:
         begin = start.t_end
     elif isinstance(start, State):
         begin = start.t
-    latest = begin
+    latest = earliest = begin
+    sure = True
     for k, step in enumerate(steps):
+        if bound is not None and earliest >= bound > begin:
+            break  # the script is over
         end = latest_end(step, latest, bound)
         if end is None:
             raise UsageError(
@@ -287,21 +290,35 @@ def _latest(steps: Sequence[Step], bound: float | None, start: Start) -> float:
                 where=f"steps[{k}].until",
                 hint='give a time beside it, lasts="10 s", or a limit for the whole script',
             )
+        if end <= earliest:
+            raise _backwards(k, f"{earliest:.9g} s{'' if sure else ' or later'}", end)
         latest = max(latest, end)
+        if conditions_of(step):
+            sure = False  # it may hold at once
+        else:
+            least = latest_end(step, earliest, bound)
+            assert least is not None
+            earliest = least
     return latest
 
 
-def _is_last_chance(step: Step, end: float, bound: float | None) -> bool:
-    """Whether a step had until the end of the script, and no time of its own."""
-    return bool(conditions_of(step)) and latest_end(step, 0.0, None) is None and end == bound
+def _backwards(k: int, begin: str, end: float) -> UsageError:
+    """Return the refusal of a step that ends before it begins."""
+    return UsageError(
+        f"step {k + 1} begins at {begin} and ends at {end:.9g} s",
+        code="HB-S140",
+        where=f"steps[{k}].until",
+        hint="until is a time since the start of the run; lasts is how long",
+    )
 
 
 def _over(k: int, step: Step, end: float, many: int) -> str:
     name = f" ({step.label})" if step.label else ""
-    return (
-        f"the script stopped in step {k + 1} of {many}{name}: {conditions_of(step)[0]!r} did not "
-        f"hold up to its end, t = {end:.9g} s"
-    )
+    stopped = f"the script stopped in step {k + 1} of {many}{name}"
+    conditions = conditions_of(step)
+    if not conditions:
+        return f"{stopped}: it has until t = {end:.9g} s, the until of the experiment or its limit"
+    return f"{stopped}: {conditions[0]!r} did not hold up to its end, t = {end:.9g} s"
 
 
 class _Writing:
@@ -323,6 +340,9 @@ class _Writing:
         self._now: dict[str, Value] = dict(parameters)
         for k, step in enumerate(steps):
             for path, value in step.set.items():
+                machine = _machine_of(path, base)
+                if machine is not None:
+                    raise self._refused(k, path, *_of_a_machine(machine))
                 if path.rpartition(".")[2] in STARTS and path not in base.parameters:
                     raise self._refused(k, path, "it says where the model starts", "a parameter")
                 if path in self._now or path not in base.parameters:
@@ -359,6 +379,22 @@ class _Writing:
             where=f"steps[{k}].set.{path}",
             hint=hint or did_you_mean(path, ()) or "a parameter, the value of an element, an input",
         )
+
+
+def _machine_of(path: str, graph: FlatGraph) -> Machine | None:
+    """Return the machine that a path names, or whose start or state."""
+    base, _, last = path.rpartition(".")
+    own = (path, base) if last in ("start", "state") else (path,)
+    return next((m for m in graph.machines if m.path in own and m.law is None), None)
+
+
+def _of_a_machine(machine: Machine) -> tuple[str, str]:
+    """Return why a script sets no state of a machine, and what does."""
+    a, b = (*machine.states, *machine.states)[:2]
+    return (
+        f"{machine.path} is a machine, which changes its state by its own rules",
+        f"let a parameter ask for it, go = 0, in a rule '{a} -> {b} when go > 0.5', and set go = 1",
+    )
 
 
 def _said(items: Sequence[Any]) -> list[Any]:

@@ -169,6 +169,11 @@ def conditions_of(step: Step) -> tuple[str, ...]:
 def latest_end(step: Step, begin: float, limit: float | None) -> float | None:
     """Return when a step that begins at a time ends at the latest, s; None if nothing says so.
 
+    Parameters
+    ----------
+    limit : float or None
+        When the whole script ends, s.
+
     Raises
     ------
     UsageError
@@ -183,6 +188,6 @@ def latest_end(step: Step, begin: float, limit: float | None) -> float | None:
     ends = [seconds(u, "until") for u in listed if u is not None and not is_condition(u)]
     if step.lasts is not None:
         ends.append(begin + seconds(step.lasts, "lasts"))
-    if not ends and limit is not None:
+    if limit is not None:
         ends.append(limit)
     return min(ends) if ends else None

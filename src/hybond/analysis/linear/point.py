@@ -18,7 +18,7 @@ from hybond.model.unit_words import unit_of
 from hybond.names import did_you_mean
 from hybond.options import seconds
 from hybond.result import Result
-from hybond.units import parse_unit, try_quantity
+from hybond.units import is_of, try_quantity
 
 Vector = NDArray[np.float64]
 
@@ -211,10 +211,7 @@ def _number(graph: FlatGraph, name: str, value: float | str) -> float:
         quantity = try_quantity(value)
         assert graph.read is not None
         unit = unit_of(graph.read(name), graph)
-        fits = quantity is not None and (
-            not unit or quantity.dimension in (parse_unit(unit)[1], parse_unit("1")[1])
-        )
-        if quantity is None or not fits:
+        if quantity is None or not is_of(quantity, unit):
             raise UsageError(
                 f"{name} = {value!r} is not in {unit or 'a unit that is known'}",
                 code="HB-A503",

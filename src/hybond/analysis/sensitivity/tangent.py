@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from hybond.analysis.sensitivity.gradients import AREA, PRIOR, RATE, Compiled, Gradients
 from hybond.analysis.sensitivity.mode_rows import ModeRows
 from hybond.analysis.sensitivity.solving import (
+    NO_SLOPE,
     Undetermined,
     open_ways,
     opens,
@@ -30,9 +31,11 @@ from hybond.analysis.sensitivity.solving import (
     smallest,
     solved,
 )
+from hybond.analysis.sensitivity.steep import BESIDE, NOTHING, limits
 from hybond.model.expressions import Expr
 
 Vector = NDArray[np.float64]
+Steep = NDArray[np.bool_]
 
 LEAST = 1e-6
 """Part of currents by which their sum of squares may change along what is open, and be least."""
@@ -146,14 +149,56 @@ class Tangent:
 
     def slopes(self, at: At) -> tuple[Vector, Vector]:
         """Return the slopes of the rows by open bond variables, and by all columns."""
+        by_w, steep = self._own(at.values, at.points)
+        direct = self._direct.at(at)
+        if steep.any():
+            direct = np.array(np.broadcast_to(direct, (at.points, *direct.shape[1:])))
+            for k, i in np.argwhere(steep & ~np.isfinite(direct).all(axis=2)).tolist():
+                if not self._vanishes(at, i, int(np.argmax(by_w[k, i]))):
+                    raise Undetermined(NO_SLOPE)
+            direct[steep] = 0.0
         # a root at its end has no slope: who needs it is refused, and nobody is warned beside that
         with np.errstate(invalid="ignore"):
-            return self._by_w.at(at.values, at.points) @ self.rows.spread, self._direct.at(at)
+            return by_w @ self.rows.spread, direct
+
+    def _own(self, values: Mapping[str, Vector | float], points: int) -> tuple[Vector, Steep]:
+        """Return the slopes of rows by bond variables, and which rows are those of steep laws.
+
+        A law that rises without bound says that what it is steep in does not change (`steep`).
+
+        Raises
+        ------
+        Undetermined
+            Where that contradicts the mode, which moves it.
+        """
+        by_w = self._by_w.at(values, points)
+        steep: Steep = np.zeros(by_w.shape[:2], dtype=bool)
+        if np.isfinite(by_w).all():
+            return by_w, steep
+        by_w = limits(self._by_w, self.rows.bonds, values, by_w)
+        held = ~self.rows.spread.any(axis=1)
+        by_w[:, :, held] = np.where(np.isinf(by_w[:, :, held]), 0.0, by_w[:, :, held])
+        inf = np.isinf(by_w)
+        steep = np.asarray(inf.any(axis=2) & ~np.isnan(by_w).any(axis=2))
+        by_w[steep] = inf[steep]
+        for k in np.flatnonzero(steep.any(axis=1)).tolist():
+            own = by_w[k] @ self.rows.spread
+            if own.shape[0] != own.shape[1] or rank_of(own) < own.shape[1]:
+                raise Undetermined(NO_SLOPE)
+        return by_w, steep
+
+    def _vanishes(self, at: At, i: int, j: int) -> bool:
+        """Whether what else a steep law changes with is nothing beside its slope, in the limit."""
+        near = At({**at.values, self.rows.bonds[j]: BESIDE[0]}, at.inputs, at.points)
+        steep = self._by_w.at(near.values, at.points)[:, i, j, None]
+        with np.errstate(all="ignore"):
+            parts = np.abs(self._direct.at(near)[:, i] / steep)
+        return bool((parts <= NOTHING).all())
 
     def rank(self, at: At) -> int:
         """Return how many open bond variables the rows determine, at the first point."""
         if self._rank is None:
-            self._rank = rank_of(self._by_w.at(at.values, at.points)[0] @ self.rows.spread)
+            self._rank = rank_of(self._own(at.values, at.points)[0][0] @ self.rows.spread)
         return int(self._rank - self.rows.spread.shape[1])
 
     def free(self, values: Mapping[str, Vector | float]) -> bool:
@@ -165,7 +210,7 @@ class Tangent:
             At a point; of parameters alone where nothing else is read.
         """
         if self._full is None:
-            by_w = self._by_w.at(values, 1)[0] @ self.rows.spread
+            by_w = self._own(values, 1)[0][0] @ self.rows.spread
             self._full = by_w.shape[0] == by_w.shape[1] == rank_of(by_w)
         return self._full
 
@@ -177,7 +222,7 @@ class Tangent:
         rows : array, shape (many, 2 * bonds)
         """
         first = at.some(slice(0, 1))
-        by_w = self._by_w.at(first.values, 1) @ self.rows.spread
+        by_w = self._own(first.values, 1)[0] @ self.rows.spread
         if self._full or by_w.shape[1] == by_w.shape[2] == rank_of(by_w[0]):
             return False
         if self._more.second is None:
@@ -201,7 +246,7 @@ class Tangent:
         asked : array, shape (many, 2 * bonds)
             Sums of bond variables.
         """
-        by_w = self._by_w.at(at.values, at.points) @ self.rows.spread
+        by_w = self._own(at.values, at.points)[0] @ self.rows.spread
         if self._more.second is None:
             self._more.second = _Second(self)
         left, _ = self._more.second.left(at, by_w)

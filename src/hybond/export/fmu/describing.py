@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 
 from hybond._version import __version__
@@ -150,6 +151,9 @@ def _start(shown: Shown) -> dict[str, str]:
     return {} if shown.follows else {"start": repr(shown.start)}
 
 
+_UNIT_TOKEN = re.compile(r"[*/()]|[^*/()\s]+")
+
+
 def _unknown(group: str, shown: Shown) -> bool:
     """Whether a variable has its first value from an initialization."""
     return group != "parameters" or shown.follows
@@ -161,7 +165,34 @@ def _units(root: ElementTree.Element, own: Interface) -> None:
         if _whole(dimension):
             unit = ElementTree.SubElement(units, "Unit", name=name)
             powers = {b: str(n) for b, n in zip(_BASE, dimension.exponents, strict=True) if n}
+            angle = _radians(name)
+            if angle:
+                powers["rad"] = str(angle)
             ElementTree.SubElement(unit, "BaseUnit", powers)
+
+
+def _radians(name: str) -> int:
+    """Return the power of the radian in a unit: a dimension says nothing of it, the standard does.
+
+    Examples
+    --------
+    >>> [_radians(name) for name in ("rad/s", "N*m/rad", "N*m*s/rad^2", "kg/(m*rad)", "m/s")]
+    [1, -1, -2, -1, 0]
+    """
+    power, sign, signs = 0, 1, [1]
+    for token in _UNIT_TOKEN.findall(name):
+        if token == "(":
+            signs.append(signs[-1] * sign)
+            sign = 1
+        elif token == ")":
+            signs.pop()
+        elif token in "*/":
+            sign = 1 if token == "*" else -1
+        else:
+            symbol, _, exponent = token.partition("^")
+            power += signs[-1] * sign * int(exponent or 1) if symbol == "rad" else 0
+            sign = 1
+    return power
 
 
 def _whole(dimension: Dimension) -> bool:

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import NoReturn
 
 from hybond.errors import ExpressionError, UnitError
+from hybond.model.expressions.as_in_circuits import called_as_in_circuits
 from hybond.model.expressions.tree import (
     FUNCTIONS,
     GATHER,
@@ -84,6 +85,8 @@ def _is_unit(text: str) -> bool:
     return True
 
 
+_COMMA = re.compile(r"(?<![\w.])(\d+)(,)(\d+(?:[eE][+-]?\d+)?)")
+"""A number as half of the world writes it: 1,5."""
 TIMERS = dict.fromkeys(
     ("after", "dwell", "elapsed", "timer"),
     "a part, control.timer, counts the time spent in a state, and is 1 once that is over",
@@ -107,6 +110,10 @@ _WRITTEN = {
     **dict.fromkeys(
         ("delay", "delayed"),
         "a delay is a part: control.sampled_delay of samples, control.delay approximately",
+    ),
+    **dict.fromkeys(
+        ("mean", "average", "rms", "peak", "std"),
+        "what is measured of a run is no signal: hybond measure, run[...].mean()",
     ),
     **TIMERS,
 }
@@ -265,6 +272,9 @@ class _Parser:
             hint = f"take out what stands from {self.now} on"
             if self.now.kind in ("name", "number", "string") or self.now.text == "(":
                 hint = "write * for a product"
+            comma = _COMMA.search(self.text)
+            if comma and comma.start(2) == self.now.at:
+                hint = f"a decimal fraction has a point: {comma[1]}.{comma[3]}"
             self.fail(f"expected an operator or the end, found {self.now}", self.now.at, hint=hint)
         if depth(e) > MAX_DEPTH:
             why = f"more than {MAX_DEPTH} operators follow one another"
@@ -405,7 +415,8 @@ class _Parser:
         if not self.is_mark("("):
             return Number(math.pi) if token.text == "pi" else Name(token.text)
         if token.text != "pre" and token.text not in FUNCTIONS and token.text not in GATHER:
-            hint = _WRITTEN.get(token.text.lower(), "")
+            hint = called_as_in_circuits(token.text, self.text[token.at + len(token.text) :])
+            hint = hint or _WRITTEN.get(token.text.lower(), "")
             hint = hint or did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
             self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
         opened = self.take()
