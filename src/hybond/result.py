@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hybond.engine.outcome.audit import Audit, audit
 from hybond.engine.outcome.signals import Signals
-from hybond.engine.outcome.states_at import state_at
+from hybond.engine.outcome.states_at import at_ends, state_at
 from hybond.errors import HybondError, UsageError
 from hybond.measures.measuring import Measuring
 from hybond.measures.naming import names_of, read_name
@@ -322,10 +322,10 @@ class Result(Measuring, Tabled):
         """
         if side not in ("left", "right"):
             raise UsageError(f"side = {side!r}", code="HB-S110", where="side", hint="left or right")
-        at = _times(t)
+        begin, end = self.t_begin, self.t_end
+        at = at_ends(_times(t), begin, end)
         names = (names,) if isinstance(names, str) else names
         found = {name: np.full(len(at), np.nan) for name in names}
-        begin, end = self.t_begin, self.t_end
         starts = self.trace.segments.times
         cut = side == "left" and bool(self.trace.segments.forgotten)
         if not starts and self.trace.events and len(at) and (at == begin).all():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bisect
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hybond.engine.outcome.beginnings import place_of
 from hybond.engine.outcome.combinations import ALONE, Combination
@@ -16,6 +17,19 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.model.unit_words import unit_of
 from hybond.runs.states import Memory, State
 from hybond.runs.trace import Trace
+
+ROUNDED = 8
+"""Last places by which a time that somebody has computed may be beyond an end of the run."""
+
+
+def at_ends(t: NDArray[np.float64], begin: float, end: float) -> NDArray[np.float64]:
+    """Return times, with those beyond an end of the run by rounding only at that end."""
+    for bound, way in ((begin, -1.0), (end, 1.0)):
+        beyond = way * (t - bound)
+        near = (beyond > 0.0) & (beyond <= ROUNDED * np.spacing(abs(bound)))
+        if near.any():
+            t = np.where(near, bound, t)
+    return t
 
 
 def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) -> State:
@@ -32,8 +46,7 @@ def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) 
     tables = signals.tables
     n = len(graph.storages) + len(graph.integrals)
     end = _end(trace)
-    if t is None:
-        t = end
+    t = end if t is None else float(at_ends(np.array([t], dtype=float), trace.begin, end)[0])
     if not trace.begin <= t <= end:
         raise UsageError(
             f"the run goes from {trace.begin:.9g} to {end:.9g} s, not to {t:g} s",
