@@ -172,7 +172,9 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         noise               whether samples are rough between neighbours
         together, ends_at_guard    what is one instant with it; the step that ends there
     instant/
-        settle, settling    trying modes at an instant until none is left; what a cycle is told by
+        settle, settling, enabled    trying modes at an instant until none is left; what a cycle is
+                            told by; which rules hold
+        ceasing             what is no cycle, as it ceases within the instant
         beginning           what is a priori where a run begins; states it cannot begin in
         staying, passed_over    what is known of the last trial; modes without a solution
         indeterminate       truths that depend on what is open

@@ -57,6 +57,7 @@ class Model:
     rule_reaction: Ints
     rule_value: Ints  # the guard as it is: an expression
     rule_doubted: Ints
+    rule_touches: Ints  # of each rule: whether it asks for both sides of a zero
     rule_watched: Ints
     """Whether the guard may read no number, by its form; whether time alone may make it true."""
     rule_test: Ints  # the guard while time passes: an expression. Pair k is the guard of rule k

@@ -247,6 +247,7 @@ class Work:
     kept: Floats
     met: Ints
     reach: Floats
+    as_ever: Floats
     reach_before: Floats
     known_size: Floats
     here: Floats
@@ -388,6 +389,7 @@ def make_work(m: Model) -> Work:
     w.combined = make_block(1)
     w.kept = floats(n)
     w.reach = floats(m.storages)
+    w.as_ever = floats(m.storages)
     w.met = ints(m.storages + 2 * m.most_sources)
     w.reach_before = floats(m.storages)
     w.known_size = floats(knowns)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hybond.model.expressions import (
     ARRAYS,
-    FLOATS,
+    FOLDED,
     FUNCTIONS,
     Binary,
     Call,
@@ -29,7 +29,7 @@ from hybond.records import dataclass
 Vector = NDArray[np.float64]
 AS_MADE = tuple(
     replace(a, call={f: call for f, call in a.call.items() if f in FUNCTIONS})
-    for a in (FLOATS, ARRAYS)
+    for a in (FOLDED, ARRAYS)
 )
 """Numbers and arrays as numbers of a model are folded: function by function, each as it is written.
 Forms of `stable`, log1p(x) for log(x + 1), differ from them in the last bit."""

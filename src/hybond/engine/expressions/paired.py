@@ -16,7 +16,9 @@ def evaluate_pair(m: Model, k: int, s: Stack) -> None:
 def holds(m: Model, k: int, s: Stack) -> bool:
     """Return the truth of pair k; ``s.refused`` says if it has none."""
     clear(s)
+    s.touching = k < m.rule_first[m.machines] and m.rule_touches[k] != 0
     evaluate_pair(m, k, s)
+    s.touching = False
     return pop_truth(s)
 
 

@@ -61,6 +61,9 @@ class Stack:
     terms: Floats
     prior_terms: Floats
     level: float
+    touching: bool
+    """Whether functions are known to the rounding of their arguments only, as where a guard asks
+    for both sides of a zero."""
 
 
 def make_stack() -> Stack:
@@ -198,13 +201,36 @@ def multiply(s: Stack) -> None:
     jumps = is_impulsive(s, k)
     if jumps and not is_steady(s, k + 1):
         s.refused = FACTOR_JUMPS
+    own = s.finite[k]
     factor = s.finite[k + 1]
     s.finite[k] *= factor
     s.impulse[k] = s.impulse[k] * factor if jumps else 0.0
     s.impulse_size[k] = math.fabs(s.impulse_size[k] * factor) if jumps else 0.0
     s.before[k] *= s.before[k + 1]
-    s.size[k] *= s.size[k + 1]
+    s.size[k] = size_of_product(own, s.size[k], factor, s.size[k + 1])
     s.top = k
+
+
+def size_of_product(a: float, a_size: float, b: float, b_size: float) -> float:
+    """Return what rounding of a product is measured by: it is that of each factor times the other.
+
+    Of the product of two differences that are nothing but rounding there is next to none.
+    """
+    if not (math.isfinite(a) and math.isfinite(b)):
+        return a_size * b_size
+    first = max(math.fabs(a), ROUNDING * a_size) * b_size
+    return max(first, max(math.fabs(b), ROUNDING * b_size) * a_size)
+
+
+def size_of_power(a: float, size: float, b: float, finite: float) -> float:
+    """Return the same of a power, whose value is known: its slope times the rounding of its base.
+
+    So the root of what is rounding is, too, though it is a million times as large.
+    """
+    own = math.fabs(finite)
+    if not (size > math.fabs(a) and b > 0.0 and math.isfinite(own) and size < LARGEST):
+        return own
+    return max(own, power(max(math.fabs(a), ROUNDING * size), b - 1.0) * size)
 
 
 def divide(s: Stack) -> None:
@@ -242,7 +268,13 @@ def apply(s: Stack, which: int) -> None:
     k = s.top
     if is_impulsive(s, k):
         s.refused = FUNCTION
+    own = s.finite[k]
+    size = s.size[k]
     put_plain(s, k, function_of(which, s.finite[k], 0.0), function_of(which, s.before[k], 0.0))
+    if s.touching:
+        moved = function_of(which, own + ROUNDING * size, 0.0) - s.finite[k]
+        if math.isfinite(moved) and size < LARGEST:
+            s.size[k] = max(s.size[k], math.fabs(moved) / ROUNDING)
 
 
 def apply_to_two(s: Stack, which: int) -> None:
@@ -274,13 +306,21 @@ def raise_to(s: Stack) -> None:
         if not is_impulsive(s, k + 1) and s.finite[k + 1] == 1.0:
             return
         s.refused = POWER
+    own = s.finite[k]
+    size = s.size[k]
+    raised = s.finite[k + 1]
     put_plain(s, k, power(s.finite[k], s.finite[k + 1]), power(s.before[k], s.before[k + 1]))
+    s.size[k] = max(s.size[k], size_of_power(own, size, raised, s.finite[k]))
 
 
 def absolute(s: Stack) -> None:
     """Make the top positive."""
-    if sign_at(s, s.top) < 0:
+    k = s.top
+    if sign_at(s, k) < 0:
         negate(s)
+    elif not is_impulsive(s, k):
+        # on the wrong side by rounding
+        s.finite[k] = math.fabs(s.finite[k])
 
 
 def put_sign(s: Stack) -> None:

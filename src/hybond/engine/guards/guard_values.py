@@ -13,6 +13,7 @@ from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.kept_sides import NOT_ASKED, ask_kept
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.guards.naps import is_asleep
+from hybond.engine.guards.rest_records import waits
 from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.jumps.tied import put_tied
 from hybond.engine.jumps.trial import refuse_pair
@@ -189,6 +190,8 @@ def swap_terms(e: Engine, g: Locator, k: int) -> None:
 
 def test_here(e: Engine, g: Locator, k: int) -> bool:
     """Return the truth of guard k at the values of the motion, rounding being counted."""
+    if waits_still(e, g, k, g.looked):
+        return False
     if rests(e, g, k):
         return holds_at_rest(e, g, k, g.looked)
     if g.margin[k] >= 0:
@@ -217,6 +220,8 @@ def has_crossed(e: Engine, g: Locator, k: int) -> bool:
 def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
     """Ask a guard as settling will, with rounding counted as zero; nothing jumps there."""
     look(e, g, t)
+    if waits_still(e, g, k, t):
+        return False
     if rests(e, g, k):
         return holds_at_rest(e, g, k, t)
     if g.margin[k] >= 0 or g.side[k] != NO_KINK:
@@ -224,6 +229,11 @@ def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
     if keeps(e, g, k):
         return holds_as_it_was(e, g, k)
     return holds_here(e, g, k)
+
+
+def waits_still(e: Engine, g: Locator, k: int, t: float) -> bool:
+    """Whether guard k is that of a rule that is not asked yet."""
+    return e.rests.some_wait and g.rule[k] >= 0 and waits(e.rests, g.rule[k], t)
 
 
 def keeps(e: Engine, g: Locator, k: int) -> bool:

@@ -65,6 +65,10 @@ class Rests:
     """Of each rule: whether it is one of a machine that stands for no law, and compares once; up to
     where that counts as zero, as the state it leaves was entered with what had not moved since."""
     within: Floats
+    waits_until: Floats
+    """Of each rule: up to when it is not asked, as what it compares was at its threshold and leaves
+    it on the other side; whether any waits so."""
+    some_wait: bool
     began: Floats
     """Each state as the last jump has left it, or the start; and when the motion began."""
     begun: bool
@@ -144,6 +148,9 @@ def make_rests(m: Model) -> Rests:
     q.crossed = floats(values)
     q.crossed_at = floats(values)
     q.within = floats(rules)
+    q.waits_until = floats(rules)
+    for r in range(rules):
+        q.waits_until[r] = -math.inf
     q.by_hand = ints(rules)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
@@ -204,6 +211,11 @@ def make_room(q: Rests, n: int, rules: int, atoms: int) -> None:
         q.near = floats(atoms)
         q.limit = floats(atoms)
         q.room = atoms
+
+
+def waits(q: Rests, r: int, t: float) -> bool:
+    """Whether a rule is not asked yet: a moment ago it ceased to hold."""
+    return q.some_wait and t <= q.waits_until[r]
 
 
 def side_of(q: Rests, a: int) -> int:

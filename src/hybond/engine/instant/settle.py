@@ -12,23 +12,16 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_part
-from hybond.engine.answers import rule_text
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.expressions.paired import holds_from
-from hybond.engine.guards.in_force import is_asked
-from hybond.engine.guards.kept_sides import NOT_ASKED, holds_on_sides, warn_of_kept
-from hybond.engine.guards.limits_crossed import level_of
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
+from hybond.engine.instant.ceasing import find_standing
 from hybond.engine.instant.doubts import warn_of_moduli
+from hybond.engine.instant.enabled import find_enabled
 from hybond.engine.instant.indeterminate import (
-    DECIDED,
-    is_indeterminate,
     keep_as_before,
     keep_open_before,
-    tell_open_rule,
-    warn_of_open,
 )
 from hybond.engine.instant.instant import (
     CONTINUOUS,
@@ -46,7 +39,7 @@ from hybond.engine.instant.jump_balance import hold_jump, jump_may_create
 from hybond.engine.instant.left_out import warn_of_left_out
 from hybond.engine.instant.open_integrals import refuse_open_integrals
 from hybond.engine.instant.passed_over import enter_or_pass
-from hybond.engine.instant.settling import Settling, look_for_cycle
+from hybond.engine.instant.settling import Settling, comes_back, look_for_cycle
 from hybond.engine.instant.staying import (
     acts_on_prior,
     is_still_known,
@@ -63,9 +56,6 @@ from hybond.engine.instant.telling import (
 from hybond.engine.jumps.jump import SWEPT
 from hybond.engine.jumps.trial import (
     a_priori,
-    measure_trial,
-    refuse_pair,
-    show_trial,
 )
 from hybond.engine.laws.branches import choose_at, know_around
 from hybond.engine.laws.entering import enter
@@ -73,7 +63,6 @@ from hybond.engine.laws.law_standing import stands_as_it_was
 from hybond.engine.mode.digits.fading import remember_jump, remember_now
 from hybond.engine.mode.digits.part_energies import join_parts
 from hybond.engine.mode.equations import is_fieldless, mode_of
-from hybond.engine.reasons.facts import add_fact
 from hybond.engine.words import Ints
 
 OWN_ROUNDING: Final = 1e-14
@@ -195,6 +184,8 @@ def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
     while True:
         entered = i.waiting > 0
         fired = find_enabled(e, g, e.t)
+        if fired > 0 and comes_back(e, g) and find_standing(e, g):
+            fired = find_enabled(e, g, e.t)
         if fired < 0 or look_for_cycle(e, g) != OK:
             return -1
         if fired == 0:
@@ -377,64 +368,3 @@ def is_moved(e: Engine, g: Settling) -> bool:
             size = max(math.fabs(g.x[k]), math.fabs(e.trial.x[k]))
             moved = moved or math.fabs(e.trial.x[k] - g.x[k]) > OWN_ROUNDING * size
     return moved
-
-
-def find_enabled(e: Engine, g: Settling, t: float) -> int:
-    """Find the transitions of all machines at once; return how many fire, -1 if one has no truth.
-
-    Each machine takes the first of its rules that hold.
-    """
-    m = e.model
-    fired = 0
-    show_trial(e, e.work.stack)
-    for k in range(m.machines):
-        g.target[k] = e.trial.state[k]
-        if m.is_law[k] != 0:
-            continue
-        chosen = False
-        for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            g.held[r] = 0
-            if e.slide.many == 0 and m.rule_source[r] != e.trial.state[k]:
-                continue  # most of them
-            if not is_asked(e, k, r, e.trial.state[k]):
-                continue
-            true = rule_holds(e, t, k, r)
-            if true < 0:
-                return -1
-            g.held[r] = true
-            if true > 0 and not chosen:
-                chosen = True
-                fired += 1
-                g.target[k] = m.rule_target[r]
-    return fired
-
-
-def rule_holds(e: Engine, t: float, k: int, r: int) -> int:
-    """Return whether rule r of machine k holds in the trial, 1 or 0; -1 if it has no truth."""
-    m = e.model
-    open_at = is_indeterminate(e, r)
-    if open_at != DECIDED:
-        # how diodes in a row share what they block is nobody's choice
-        shared = m.rule_piece[r] != 0
-        if m.tells != 0 and (m.decided != 0 or shared):
-            warn_of_open(e, r, open_at)
-        elif not shared:
-            why = "a guard reads what the equations leave open"
-            say_fault(e, "HB-J102", why, rule_text(m, r))
-            if m.tells != 0:
-                tell_open_rule(e, r, open_at)
-            return -1
-    stack = e.work.stack
-    measure_trial(e, r)
-    true = holds_from(m, r, stack, level_of(e, k, r))
-    if stack.refused != 0:
-        refuse_pair(e, t, rule_text(m, r))
-        if m.tells != 0:
-            add_fact(e.fault, float(r))
-        return -1
-    kept = holds_on_sides(e, r)
-    if kept == NOT_ASKED:
-        return 1 if true else 0
-    if true and kept == 0:
-        warn_of_kept(e, r, t)
-    return kept

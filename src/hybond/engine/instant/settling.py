@@ -33,6 +33,13 @@ class Settling:
     mark_written: Ints
     mark: Floats
     mark_jumps: bool
+    # what goes on from a trial for a moment
+    moment: Floats
+    moment_rate: Floats
+    moment_sum: Floats
+    moment_from: Floats
+    moment_values: Floats
+    moment_bonds: Floats
 
 
 def make_settling(e: Engine) -> Settling:
@@ -49,7 +56,18 @@ def make_settling(e: Engine) -> Settling:
     g.mark_state = ints(m.machines)
     g.mark_written = ints(m.machines)
     g.mark = floats(2 * e.states + m.slots)
+    g.moment = floats(e.states)
+    g.moment_rate = floats(e.states)
+    g.moment_sum = floats(e.states)
+    g.moment_from = floats(e.states)
+    g.moment_values = floats(2 * m.slots)
+    g.moment_bonds = floats(2 * m.bonds)
     return g
+
+
+def comes_back(e: Engine, g: Settling) -> bool:
+    """Whether the trial was there before at this instant."""
+    return g.marked and is_marked(e, g)
 
 
 def look_for_cycle(e: Engine, g: Settling) -> int:
@@ -59,7 +77,7 @@ def look_for_cycle(e: Engine, g: Settling) -> int:
     found without keeping all of them.
     """
     m = e.model
-    if g.marked and is_marked(e, g):
+    if comes_back(e, g):
         names = machine_name(m, m.machines - 1) if m.machines == 1 else ""
         return say_fault(e, "HB-N401", "time cannot advance: modes follow without end", names)
     g.tries += 1

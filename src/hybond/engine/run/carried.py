@@ -200,6 +200,9 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
         e.rests.crossed[which] = carry_number(c, e.rests.crossed[which])
         e.rests.crossed_at[which] = carry_number(c, e.rests.crossed_at[which])
     e.rests.some_crossed = carry_truth(c, e.rests.some_crossed)
+    for k in range(m.rule_first[many]):
+        e.rests.waits_until[k] = carry_number(c, e.rests.waits_until[k])
+    e.rests.some_wait = carry_truth(c, e.rests.some_wait)
     atoms = m.atom_first[m.rule_first[many]]
     carry_ints(c, atoms, e.rests.atom)
     carry_floats(c, atoms, e.rests.band)

@@ -7,8 +7,8 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.guards.in_force import is_asked
 from hybond.engine.inputs.interval import interval_after
 from hybond.engine.inputs.sampling import sample
+from hybond.engine.instant.enabled import rule_holds
 from hybond.engine.instant.indeterminate import keep_open_before
-from hybond.engine.instant.settle import rule_holds
 from hybond.engine.jumps.trial import a_priori, show_trial
 from hybond.engine.laws.entering import enter
 from hybond.engine.run.run_records import Run, begin

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from hybond.engine.tables.columns import INTS, ModelTables, first_of, put_rows
 from hybond.engine.tables.contacts import rules_of
+from hybond.engine.tables.factored_guards import asks_both_sides, factored_guard
 from hybond.engine.tables.guards import magnitude, seen_in_motion
 from hybond.engine.tables.plain_guards import plain_guard
 from hybond.model.expressions import comparisons, names
@@ -44,7 +45,7 @@ def put_machines(t: ModelTables) -> None:
     t.ints["rule_piece"] = [
         int(m.pieces) for m, own in zip(g.machines, forced, strict=True) for _ in own
     ]
-    tests, watched, plain, atoms = [], [], [], []
+    tests, watched, plain, atoms, touches = [], [], [], [], []
     asked = [
         (f.rule, plain_guard(f.rule.guard) if is_by_hand(m) else f.rule.guard)
         for m, own in zip(g.machines, forced, strict=True)
@@ -53,8 +54,10 @@ def put_machines(t: ModelTables) -> None:
     for rule, guard in asked:
         t.pairs.append(guard)
         t.rules.append(rule.text)
-        test, differences = seen_in_motion(guard)
-        signs = [_ZERO_IS.get(c.op, 1) for c in comparisons(guard)]
+        followed = factored_guard(guard)
+        test, differences = seen_in_motion(followed)
+        touches.append(int(asks_both_sides(followed)))
+        signs = [_ZERO_IS.get(c.op, 1) for c in comparisons(followed)]
         plain.append(t.values.number(guard, rule.text))
         tests.append(t.values.number(test, rule.text))
         moves = any(not n.startswith(_STILL) for n in names(rule.guard))
@@ -68,6 +71,7 @@ def put_machines(t: ModelTables) -> None:
             else []
         )
     doubted = [int(may_lack_value(f.rule.guard)) for own in forced for f in own]
+    t.ints.update(rule_touches=touches)
     t.ints.update(rule_value=plain, rule_test=tests, rule_watched=watched, rule_doubted=doubted)
     put_rows(t, "atom_first", atoms, atom_value=INTS, atom_size=INTS, atom_zero=INTS)
 

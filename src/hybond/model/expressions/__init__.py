@@ -1,6 +1,6 @@
 """The small safe language of laws, guards and signals: parse, print, differentiate, compile."""
 
-from hybond.model.expressions.algebra import ARRAYS, FLOATS, Algebra
+from hybond.model.expressions.algebra import ARRAYS, FLOATS, FOLDED, Algebra
 from hybond.model.expressions.compile import compile_expression
 from hybond.model.expressions.differentiate import differentiate, simplify
 from hybond.model.expressions.kinks import ending, jumping, meets, rooted, turning
@@ -36,6 +36,7 @@ from hybond.model.expressions.tree import (
 __all__ = [
     "ARRAYS",
     "FLOATS",
+    "FOLDED",
     "FUNCTIONS",
     "Algebra",
     "And",

@@ -10,10 +10,12 @@ import operator
 import sys
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 
+from hybond.model.expressions.turns import exact_cos, exact_sin, exact_tan
 from hybond.records import dataclass
 
 Closure = Callable[[Any], Any]
@@ -286,6 +288,23 @@ FLOATS = Algebra(
     lazy=True,
 )
 """Python floats: lazy, and nan or an infinity where the mathematics has no value."""
+
+
+def _turned(function: Callable[..., float], exact: Callable[[float], float | None]) -> Closure:
+    """Return a function of an angle that is exact where that is a known part of a turn."""
+
+    def of(angle: float) -> float:
+        known = exact(angle)
+        return function(angle) if known is None else known
+
+    return of
+
+
+_EXACT = {"sin": exact_sin, "cos": exact_cos, "tan": exact_tan}
+FOLDED = replace(
+    FLOATS, call={**FLOATS.call, **{f: _turned(FLOATS.call[f], g) for f, g in _EXACT.items()}}
+)
+"""The same where numbers of a model are folded: angles that are parts of a turn are exact."""
 
 ARRAYS = Algebra(
     add=_real(np.add),

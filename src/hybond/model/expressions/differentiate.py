@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from hybond.model.expressions.algebra import FLOATS
+from hybond.model.expressions.algebra import FOLDED
 from hybond.model.expressions.compile import compile_expression
 from hybond.model.expressions.slots import is_slotted, plain, slot_of, slotted, tree_of
 from hybond.model.expressions.stable import beside_one
@@ -127,7 +127,7 @@ def _folded(e: Expr) -> Expr:
     points = (*e.x, *e.y) if isinstance(e, Table) else ()
     if any(map(is_slotted, below)) and not any(map(is_slotted, points)):
         return _followed(e, below)
-    value = compile_expression(e, {}, FLOATS, pre_offset=0)(())
+    value = compile_expression(e, {}, FOLDED, pre_offset=0)(())
     if isinstance(value, bool):
         return Bool(value)
     # of a table with points that are slotted, the value is
@@ -142,7 +142,7 @@ def _followed(e: Expr, below: tuple[Expr, ...]) -> Expr:
     if isinstance(e, Binary) and e.op == "/" and not values[1]:
         return e
     numbers = (b if isinstance(b, Bool) else Number(plain(v)) for b, v in zip(below, values))
-    value = compile_expression(with_children(e, tuple(numbers)), {}, FLOATS, pre_offset=0)(())
+    value = compile_expression(with_children(e, tuple(numbers)), {}, FOLDED, pre_offset=0)(())
     trees = (b if isinstance(b, Bool) else tree_of(v) for b, v in zip(below, values))
     tree = with_children(e, tuple(trees))
     if isinstance(value, bool):

@@ -109,6 +109,38 @@ def measure(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floa
         elif e.slide.k == 0:
             size = size_of(e, mode, b, xi, v)
             terms[slot] = max(size, reach_of_bond(e, mode, b, xi))
+    if pair < m.rule_first[m.machines] and m.rule_touches[pair] != 0 and e.slide.k == 0:
+        measure_as_ever(e, mode, pair, xi, v, terms)
+
+
+def measure_as_ever(e: Engine, mode: Mode, pair: int, xi: Floats, v: Floats, terms: Floats) -> None:
+    """Let signals of a guard that holds at one instant only be as large as they have been.
+
+    What crosses zero is zero there but for rounding of what it came from, which time is told by.
+    """
+    m = e.model
+    as_ever = e.work.as_ever
+    for k in range(m.storages):
+        largest = max(e.largest_state[k], math.fabs(e.rests.began[k]))
+        as_ever[k] = max(math.fabs(xi[k]), math.fabs(own_stiffness(m, k, v)) * largest)
+    for i in range(m.read_first[pair], m.read_first[pair + 1]):
+        slot = m.read_slot[i]
+        b = slot - m.bond_slot
+        if b >= 0 and b < 2 * m.bonds:
+            rows = mode.finite
+            total = 0.0
+            for p in range(rows.first.at[mode.same[b]], rows.first.at[mode.same[b] + 1]):
+                c = rows.column.at[p]
+                total += rows.size.at[p] * (as_ever[c] if c < m.storages else math.fabs(xi[c]))
+            terms[slot] = max(terms[slot], total)
+            continue
+        k = slot - m.stored_slot
+        if slot >= m.signal_slot and slot < m.signal_slot + m.integrals:
+            k = m.storages + slot - m.signal_slot
+        elif k < 0 or k >= m.storages:
+            continue
+        largest = max(e.largest_state[k], math.fabs(e.rests.began[k]))
+        terms[slot] = max(terms[slot], largest)
 
 
 def measure_values(m: Model, pair: int, v: Floats, terms: Floats) -> None:
