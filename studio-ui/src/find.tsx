@@ -1,5 +1,5 @@
 /** To an element or a bond by its name: "/" and some letters of it. */
-import { useState } from "preact/hooks";
+import { Quick } from "./quick";
 import type { State, Store } from "./store";
 
 const SHOWN = 10;
@@ -40,49 +40,25 @@ function search(state: State, words: string): Found[] {
 }
 
 export function Find({ store, state }: Props) {
-  const [text, setText] = useState("");
-  const [chosen, choose] = useState(0);
-  const found = search(state, typed(text.trim()));
-  const close = () => {
-    document.querySelector<SVGSVGElement>(".canvas svg")?.focus();
-    store.set({ finding: false });
-  };
   const go = (f: Found | undefined) => {
-    if (!f) return;
-    store.set({ nodes: new Set(f.bond ? [] : [f.key]), bonds: new Set(f.bond ? [f.key] : []), tab: "item" });
-    close();
+    if (f) store.set({ nodes: new Set(f.bond ? [] : [f.key]), bonds: new Set(f.bond ? [f.key] : []), tab: "item" });
+    return f !== undefined;
   };
   return (
-    <div class="quick" role="dialog" aria-label="Find">
-      <input
-        ref={(input) => input?.focus()}
-        value={text}
-        aria-label="What to find"
-        placeholder="a name, a kind, a value"
-        onInput={(e) => {
-          setText(e.currentTarget.value);
-          choose(0);
-        }}
-        onKeyDown={(e) => {
-          const step = { ArrowDown: 1, ArrowUp: -1 }[e.key];
-          if (step) {
-            choose(Math.max(0, Math.min(chosen + step, found.length - 1, SHOWN - 1)));
-            e.preventDefault();
-          }
-          if (e.key === "Enter") go(found[chosen]);
-          if (e.key === "Escape") close();
-          e.stopPropagation();
-        }}
-      />
-      <ul>
-        {found.slice(0, SHOWN).map((f, k) => (
-          <li class={k === chosen ? "chosen" : ""} onClick={() => go(f)}>
-            <b>{f.said}</b> {f.about}
-          </li>
-        ))}
-        {found.length > SHOWN && <li>{found.length - SHOWN} more</li>}
-        {text.trim() && !found.length && <li>nothing of that name at this level</li>}
-      </ul>
-    </div>
+    <Quick
+      title="Find"
+      ask="What to find"
+      placeholder="a name, a kind, a value"
+      most={SHOWN}
+      fitting={(text) => search(state, typed(text.trim()))}
+      say={(f) => (
+        <>
+          <b>{f.said}</b> {f.about}
+        </>
+      )}
+      none="nothing of that name at this level"
+      take={go}
+      close={() => store.set({ finding: false })}
+    />
   );
 }

@@ -1,5 +1,6 @@
 /** The palette: kinds of element and ready parts, put down by a click or by dragging. */
 import { useState } from "preact/hooks";
+import { Quick } from "./quick";
 import type { State, Store } from "./store";
 
 interface Props {
@@ -102,10 +103,8 @@ function shelfOf(state: State): string {
   return part ? String(part.entry.submodel).split(".")[0] : (state.look?.view.domain ?? "");
 }
 
-/** Add by writing: "I", "R load 10 ohm", "diode", "v -> m". */
-export function QuickAdd({ store, state }: Props) {
-  const [text, setText] = useState("");
-  const [chosen, choose] = useState(0);
+/** What is written for a new element: the offers that fit, and the words behind the first. */
+function read(state: State, text: string) {
   const { kinds, parts } = offers(state);
   const all = [...kinds, ...[...parts.values()].flat()];
   const [head, ...rest] = text.trim().split(/\s+/);
@@ -123,57 +122,44 @@ export function QuickAdd({ store, state }: Props) {
           .filter(({ rank }) => rank < 2 * NOWHERE - 1)
           .sort((a, b) => a.rank - b.rank)
           .map(({ o }) => o);
-  const close = () => {
-    document.querySelector<SVGSVGElement>(".canvas svg")?.focus();
-    store.set({ adding: false });
-  };
-  const put = async () => {
+  return { exact, called, rest, found };
+}
+
+/** Add by writing: "I", "R load 10 ohm", "diode", "v -> m". */
+export function QuickAdd({ store, state }: Props) {
+  const put = async (offer: Offer | undefined, text: string) => {
     if (text.includes("->")) {
       await store.edit({ do: "write bond", text: text.trim() });
-      return close();
+      return true;
     }
-    const offer = found[Math.min(chosen, found.length - 1)];
-    if (!offer) return;
+    if (!offer) return false;
+    const { exact, called, rest } = read(state, text);
     let element = offer.element as Record<string, unknown>;
     let name = "";
-    if (offer === exact && rest.length) {
+    if (offer.key === exact?.key) {
       // a name is a word that is none of a value: "R load 10 ohm"
-      if (NAME.test(rest[0])) name = rest.shift()!;
+      if (rest.length && NAME.test(rest[0])) name = rest.shift()!;
       const value = rest.join(" ");
       if (value && !("junction" in element)) element = { [offer.key]: value };
     } else if (called) name = rest[0];
     await store.add(element, name || offer.stem);
-    close();
+    return true;
   };
   return (
-    <div class="quick" role="dialog" aria-label="Add">
-      <input
-        ref={(input) => input?.focus()}
-        value={text}
-        aria-label="What to add"
-        placeholder="R load 10 ohm · diode · a -> b"
-        onInput={(e) => {
-          setText(e.currentTarget.value);
-          choose(0);
-        }}
-        onKeyDown={(e) => {
-          const step = { ArrowDown: 1, ArrowUp: -1 }[e.key];
-          if (step) {
-            choose(Math.max(0, Math.min(chosen + step, found.length - 1, SHOWN - 1)));
-            e.preventDefault();
-          }
-          if (e.key === "Enter") void put();
-          if (e.key === "Escape") close();
-          e.stopPropagation();
-        }}
-      />
-      <ul>
-        {found.slice(0, SHOWN).map((o, k) => (
-          <li class={k === chosen ? "chosen" : ""}>
-            <b>{o.letters}</b> {o.about}{o.key.includes(".") && <small> {o.key.split(".")[0]}</small>}
-          </li>
-        ))}
-      </ul>
-    </div>
+    <Quick
+      title="Add"
+      ask="What to add"
+      placeholder="R load 10 ohm · diode · a -> b"
+      most={SHOWN}
+      fitting={(text) => read(state, text).found}
+      say={(o) => (
+        <>
+          <b>{o.letters}</b> {o.about}
+          {o.key.includes(".") && <small> {o.key.split(".")[0]}</small>}
+        </>
+      )}
+      take={put}
+      close={() => store.set({ adding: false })}
+    />
   );
 }

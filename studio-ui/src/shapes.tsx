@@ -121,12 +121,23 @@ interface BondProps {
 
 /** Where effort (1) and flow (-1) are written: above and below, or left and right of the bond. */
 function beside(shape: BondShape, side: 1 | -1) {
-  const [mx, my] = [(shape.tail[0] + shape.head[0]) / 2, (shape.tail[1] + shape.head[1]) / 2];
+  const [mx, my] = middle(shape);
   const level = Math.abs(shape.head[0] - shape.tail[0]) >= Math.abs(shape.head[1] - shape.tail[1]);
   if (level) return { x: mx, y: my + (side > 0 ? -6 : 17), "text-anchor": "middle" as const };
   // not on one height: of upright bonds side by side the flow of one would run into the effort of the next
   const low = side * Math.min(7, Math.abs(shape.head[1] - shape.tail[1]) / 5);
   return { x: mx - 9 * side, y: my + 4 - low, "text-anchor": side > 0 ? ("end" as const) : ("start" as const) };
+}
+
+/** Where a bond is drawn: between what it meets at its ends. */
+function placed(p: BondProps): BondShape {
+  const [a, abox] = joint(p.tail, p.bond.ends[0], p.tailControlled, [p.tx, p.ty], p.tailPorts);
+  const [b, bbox] = joint(p.head, p.bond.ends[1], p.headControlled, [p.hx, p.hy], p.headPorts);
+  return bondShape(abox, bbox, a, b, p.shift * PARALLEL);
+}
+
+function middle(shape: BondShape): Point {
+  return [(shape.tail[0] + shape.head[0]) / 2, (shape.tail[1] + shape.head[1]) / 2];
 }
 
 function changed(a: object, b: object): boolean {
@@ -141,12 +152,10 @@ export class BondShapeView extends Component<BondProps> {
   }
 
   render(p: BondProps) {
-    const [a, abox] = joint(p.tail, p.bond.ends[0], p.tailControlled, [p.tx, p.ty], p.tailPorts);
-    const [b, bbox] = joint(p.head, p.bond.ends[1], p.headControlled, [p.hx, p.hy], p.headPorts);
-    const shape = bondShape(abox, bbox, a, b, p.shift * PARALLEL);
+    const shape = placed(p);
     const s = p.drawn;
     const state = (s?.off ? " off" : "") + (s?.conflict ? " conflict" : "");
-    const [mx, my] = [(shape.tail[0] + shape.head[0]) / 2, (shape.tail[1] + shape.head[1]) / 2];
+    const [mx, my] = middle(shape);
     const late = new Set(s?.late ?? []);
     return (
       <g
@@ -185,9 +194,7 @@ export class BondValues extends Component<BondProps> {
   }
 
   render(p: BondProps) {
-    const [a, abox] = joint(p.tail, p.bond.ends[0], p.tailControlled, [p.tx, p.ty], p.tailPorts);
-    const [b, bbox] = joint(p.head, p.bond.ends[1], p.headControlled, [p.hx, p.hy], p.headPorts);
-    const shape = bondShape(abox, bbox, a, b, p.shift * PARALLEL);
+    const shape = placed(p);
     return (
       <g data-values={p.bond.key}>
         <text class="value" {...beside(shape, 1)}>

@@ -130,14 +130,14 @@ function ne(t) {
 	};
 }
 function re(t, n, r, i, a, o, s, c, l, d) {
-	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, I = n.type;
+	var p, h, v, y, b, w, T, E, D, k, A, j, ee, te, ne, re, M, P, F = n.type;
 	if (n.constructor !== u) return null;
 	128 & r.__u && (l = 32 & r.__u, p = r.__c.__z) && (n.__u |= l, h = o = [], p.nodeType == 8 ? c = ie(p, o) : o.push(p), c = o[0] || c), (p = e.__b) && p(n);
-	n: if (typeof I == "function") {
+	n: if (typeof F == "function") {
 		v = s.length;
 		try {
-			if (E = n.props, D = (p = I.prototype) && p.render, k = (p = I.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new I(E, A) : (n.__c = y = new S(E, A), y.constructor = I, y.render = F), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), I.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, I.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
-				if (E !== b && D && !I.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
+			if (E = n.props, D = (p = F.prototype) && p.render, k = (p = F.contextType) && i[p.__c], A = p ? k ? k.props.value : p.__ : i, (y = r.__c) ? (n.__c = y, 2 & y.__g && (y.__g |= 1)) : (D ? n.__c = y = new F(E, A) : (n.__c = y = new S(E, A), y.constructor = F, y.render = se), k && k.sub(y), y.state || (y.state = {}), y.__n = i, y.__g |= 8, y.__h = [], y.__k = []), D && (y.__s || (y.__s = y.state), F.getDerivedStateFromProps && (y.__s == y.state && (y.__s = g({}, y.__s)), g(y.__s, F.getDerivedStateFromProps(E, y.__s)))), b = y.props, w = y.state, y.__v = n, r.__c) {
+				if (E !== b && D && !F.getDerivedStateFromProps && y.componentWillReceiveProps && y.componentWillReceiveProps(E, A), n.__v == r.__v && !(8 & y.__g) || !(4 & y.__g) && y.shouldComponentUpdate && !1 === y.shouldComponentUpdate(E, y.__s, A)) {
 					n.__v != r.__v && (y.props = E, y.state = y.__s, y.__g &= -9), n.__e = r.__e, n.__k = r.__k, n.__k.some(function(e) {
 						e && (e.__ = n);
 					}), f.push.apply(y.__h, y.__k), y.__k = [], y.__h.length && s.push(y), c = C(r);
@@ -146,7 +146,7 @@ function re(t, n, r, i, a, o, s, c, l, d) {
 				y.componentWillUpdate && y.componentWillUpdate(E, y.__s, A), D && y.componentDidUpdate && y.__h.push(function() {
 					y.componentDidUpdate(b, w, T);
 				});
-			} else D && !I.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
+			} else D && !F.getDerivedStateFromProps && y.componentWillMount && y.componentWillMount(), D && y.componentDidMount && y.__h.push(y.componentDidMount);
 			y.context = A, y.props = E, y.__P = t, y.__g &= -5, j = e.__r, ee = D ? 25 : 0;
 			do
 				y.__g &= -9, j && j(n), p = y.render(y.props, y.state = y.__s, y.context);
@@ -244,10 +244,10 @@ function oe(t, n, r) {
 	if (i = t.__k) for (s = 0; s < i.length; s++) i[s] && oe(i[s], n, typeof t.type != "function" || r && !t.props.__P);
 	!r && (i = t.__c) && (i = i.__z) && (a = ie(i, o = [])) && (i == t.__e && o.some(_), _(a), _(i)), r || _(t.__e), t.__e = t.__c = t.__ = null;
 }
-function F(e, t, n) {
+function se(e, t, n) {
 	return this.constructor(e, n);
 }
-function I(t, n) {
+function F(t, n) {
 	var r, i, a, o;
 	e.__ && e.__(t, n), n.nodeType == 9 && (n = n.documentElement), i = (r = t && 32 & t.__u) ? null : n.__k, n.__k = y(x, { children: [t] }), a = [], o = [], re(n, n.__k, i || d, d, n.namespaceURI, i ? null : n.firstChild ? h.call(n.childNodes) : null, a, i ? i.__e : n.firstChild, r, o), M(a, n.__k, o), n.__k.props.children = null;
 }
@@ -270,8 +270,8 @@ e = { __e: function(e, t, n, r) {
 	return e.__v.__b - t.__v.__b;
 }, o = Symbol(), s = /(PointerCapture)$|Capture$/i, c = 0, l = {};
 // src/geometry.ts
-var se = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], ce = 5.5, le = 35 * Math.PI / 180;
-function ue(e, t) {
+var ce = (e) => /^[^.[]*(?:\[[^\]]*\])?/.exec(e)[0], le = 5.5, ue = 35 * Math.PI / 180;
+function de(e, t) {
 	return {
 		x0: e.x0 - t,
 		y0: e.y0 - t,
@@ -279,7 +279,7 @@ function ue(e, t) {
 		y1: e.y1 + t
 	};
 }
-function de(e, [t, n]) {
+function fe(e, [t, n]) {
 	let r = 0, i = 1, a = [[
 		t[0],
 		n[0] - t[0],
@@ -301,51 +301,51 @@ function de(e, [t, n]) {
 	}
 	return r < i ? [r, i] : null;
 }
-function fe(e, t) {
+function pe(e, t) {
 	let n = Math.hypot(e, t), r = -t / n, i = e / n;
 	return (Math.abs(e) >= Math.abs(t) ? i > 0 : r < 0) ? [r + 0, i + 0] : [-r + 0, -i + 0];
 }
-function pe(e, t, n, r, i = 0) {
+function me(e, t, n, r, i = 0) {
 	let a = r[0] - n[0], o = r[1] - n[1], s = Math.hypot(a, o);
 	if (s === 0) return {
 		tail: n,
 		head: r,
 		barb: [r, r]
 	};
-	let [c, l] = fe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = de(ue(e, ce), [u, d]), p = de(ue(t, ce), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
+	let [c, l] = pe(a, o), u = [n[0] + i * c, n[1] + i * l], d = [r[0] + i * c, r[1] + i * l], f = fe(de(e, le), [u, d]), p = fe(de(t, le), [u, d]), m = f ? f[1] : 0, h = p ? p[0] : 1;
 	h <= m && (m = .35, h = .65);
-	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(le), S = b * Math.sin(le);
+	let g = [u[0] + m * a, u[1] + m * o], _ = [u[0] + h * a, u[1] + h * o], v = a / s, y = o / s, b = Math.min(11, .5 * s * (h - m)), x = b * Math.cos(ue), S = b * Math.sin(ue);
 	return {
 		tail: g,
 		head: _,
 		barb: [_, [_[0] - x * v + S * c, _[1] - x * y + S * l]]
 	};
 }
-function me(e, t) {
+function he(e, t) {
 	let n = e.head[0] - e.tail[0], r = e.head[1] - e.tail[1];
 	if (n === 0 && r === 0) return [e.head, e.head];
-	let [i, a] = fe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
+	let [i, a] = pe(n, r), [o, s] = t ? e.head : e.tail, c = 15 / 2;
 	return [[o + c * i, s + c * a], [o - c * i, s - c * a]];
 }
-var he = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), ge = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
-function _e(e, t, n = !1) {
+var ge = /* @__PURE__ */ new Set([..."iljI|.,:;'!()[]{}/\\ ·‹›-ftr\"²³°"]), _e = /* @__PURE__ */ new Set([..."mwMW@%…+=<>~ΩQOGD&→δ_"]);
+function ve(e, t, n = !1) {
 	let r = 0;
-	for (let t of e) he.has(t) ? r += .42 : ge.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
+	for (let t of e) ge.has(t) ? r += .42 : _e.has(t) ? r += .88 : t !== t.toLowerCase() && t === t.toUpperCase() ? r += .7 : r += (t.codePointAt(0) ?? 0) < 11904 ? .64 : 1.05;
 	return r * t * (n ? 1.1 : 1);
 }
-var ve = .73;
-function ye(e, t, [n, r]) {
-	let i = Math.max(_e(e, 19, !0) / 2, 6);
+var ye = .73;
+function be(e, t, [n, r]) {
+	let i = Math.max(ve(e, 19, !0) / 2, 6);
 	t && (i += 6);
 	let a = {
 		x0: n - i,
-		y0: r - ve * 19 / 2 - 1,
+		y0: r - ye * 19 / 2 - 1,
 		x1: n + i,
-		y1: r + ve * 19 / 2 + (t ? 3 : 1)
+		y1: r + ye * 19 / 2 + (t ? 3 : 1)
 	};
-	return t ? ue(a, 2) : a;
+	return t ? de(a, 2) : a;
 }
-function be(e, t) {
+function xe(e, t) {
 	let n = /* @__PURE__ */ new Set();
 	for (let [r, i] of t) {
 		let t = r - e[0], a = i - e[1];
@@ -354,13 +354,13 @@ function be(e, t) {
 	return n;
 }
 // src/quantities.ts
-function xe(e, t = 4) {
+function Se(e, t = 4) {
 	if (e === null) return "—";
 	if (e === 0) return "0";
 	let n = Math.abs(e);
 	return n >= 1e5 || n < .001 ? e.toExponential(t - 1) : String(+e.toPrecision(t));
 }
-var Se = [
+var Ce = [
 	[1e9, "G"],
 	[1e6, "M"],
 	[1e3, "k"],
@@ -370,22 +370,22 @@ var Se = [
 	[1e-9, "n"],
 	[1e-12, "p"]
 ];
-function L(e) {
+function I(e) {
 	return e.replaceAll("*", "·");
 }
-function R(e) {
+function L(e) {
 	return e.endsWith("/s") ? e.slice(0, -2) : e && `${e}*s`;
 }
-function z(e, t, n = 4) {
+function R(e, t, n = 4) {
 	if (e === null) return "—";
-	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${xe(e, n)} ${L(t)}`.trim();
-	let [r, i] = Se.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Se[Se.length - 1];
+	if (e === 0 || !/^[A-Za-zΩ]+$/.test(t) || t === "kg") return `${Se(e, n)} ${I(t)}`.trim();
+	let [r, i] = Ce.find(([t]) => Math.abs(e) >= t * (1 - 1e-9)) ?? Ce[Ce.length - 1];
 	return `${+(e / r).toPrecision(n)} ${i}${t}`.trim();
 }
 // node_modules/preact/jsx-runtime/dist/jsxRuntime.mjs
-var Ce = Symbol.for("pv"), we = 0;
+var we = Symbol.for("pv"), Te = 0;
 Array.isArray;
-function B(t, n, r, i, a, o) {
+function z(t, n, r, i, a, o) {
 	n ||= {};
 	var s, c, l = n;
 	if ("ref" in l && typeof t != "function") for (c in l = {}, n) c == "ref" ? s = n[c] : l[c] = n[c];
@@ -399,27 +399,27 @@ function B(t, n, r, i, a, o) {
 		__b: 0,
 		__e: null,
 		__c: null,
-		constructor: Ce,
-		__v: --we,
+		constructor: we,
+		__v: --Te,
 		__i: -1,
 		__u: 0
 	};
 	return (a || o) && (u.__source = a, u.__self = o), e.vnode && e.vnode(u), u;
 }
 // src/shapes.tsx
-var Te = [100, 84];
-function Ee(e, t) {
-	return [e * Te[0], t * Te[1]];
+var Ee = [100, 84];
+function De(e, t) {
+	return [e * Ee[0], t * Ee[1]];
 }
-var De = 18;
-function Oe(e, t) {
+var Oe = 18;
+function ke(e, t) {
 	return (e.ports ?? []).map((n, r) => {
 		let [i, a] = t.get(`${e.name}.${n}`) ?? [0, 0];
 		return Math.abs(i) < 1 && Math.abs(a) < 1 ? r % 2 ? "e" : "w" : Math.abs(a) > 1.1 * Math.abs(i) ? a > 0 ? "s" : "n" : i > 0 ? "e" : "w";
 	}).join("");
 }
-function ke(e, t) {
-	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => _e(e, 9))), a = (e) => r(e).reduce((e, t) => e + _e(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, _e(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * De / 2 : 0, l = o ? c - 15 : 4;
+function Ae(e, t) {
+	let n = e.ports ?? [], r = (e) => n.filter((n, r) => t[r] === e), i = (e) => Math.max(0, ...r(e).map((e) => ve(e, 9))), a = (e) => r(e).reduce((e, t) => e + ve(t, 9) + 10, 0), o = Math.max(r("e").length, r("w").length), s = Math.max(54, Math.min(150, ve(e.letters, 10.5) + 16), i("e") + i("w") + 26, a("n"), a("s")), c = o ? -(o - 1) * Oe / 2 : 0, l = o ? c - 15 : 4;
 	return {
 		half: s / 2,
 		first: c,
@@ -428,8 +428,8 @@ function ke(e, t) {
 		bottom: (o ? -c + 11 : 12) + (r("s").length ? 13 : 0)
 	};
 }
-function Ae(e, t) {
-	let { half: n, first: r, top: i, bottom: a } = ke(e, t), o = /* @__PURE__ */ new Map(), s = {
+function je(e, t) {
+	let { half: n, first: r, top: i, bottom: a } = Ae(e, t), o = /* @__PURE__ */ new Map(), s = {
 		e: 0,
 		w: 0,
 		n: 0,
@@ -437,16 +437,16 @@ function Ae(e, t) {
 	};
 	return (e.ports ?? []).forEach((e, c) => {
 		let l = t[c], u = s[l]++;
-		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * De]);
+		if (l === "e" || l === "w") o.set(e, [l === "e" ? n : -n, r + u * Oe]);
 		else {
 			let r = [...t].filter((e) => e === l).length;
 			o.set(e, [2 * n * (u + 1) / (r + 1) - n, l === "n" ? i : a]);
 		}
 	}), o;
 }
-function je(e, t, n, r = "") {
+function Me(e, t, n, r = "") {
 	if (e.kind === "part") {
-		let { half: t, top: i, bottom: a } = ke(e, r);
+		let { half: t, top: i, bottom: a } = Ae(e, r);
 		return {
 			x0: n[0] - t,
 			y0: n[1] + i,
@@ -454,11 +454,11 @@ function je(e, t, n, r = "") {
 			y1: n[1] + a
 		};
 	}
-	return ye(e.letters, t, n);
+	return be(e.letters, t, n);
 }
-function Me(e, t, n, r, i = "") {
+function Ne(e, t, n, r, i = "") {
 	if (e.kind === "part") {
-		let n = t.slice(se(t).length + 1), a = Ae(e, i).get(n);
+		let n = t.slice(ce(t).length + 1), a = je(e, i).get(n);
 		if (a) {
 			let e = [r[0] + a[0], r[1] + a[1]];
 			return [e, {
@@ -469,16 +469,16 @@ function Me(e, t, n, r, i = "") {
 			}];
 		}
 	}
-	return [r, je(e, n, r, i)];
+	return [r, Me(e, n, r, i)];
 }
-var Ne = ([[e, t], [n, r]]) => ({
+var Pe = ([[e, t], [n, r]]) => ({
 	x1: e,
 	y1: t,
 	x2: n,
 	y2: r
 });
-function Pe(e, t) {
-	let [n, r] = [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
+function Fe(e, t) {
+	let [n, r] = Le(e);
 	if (Math.abs(e.head[0] - e.tail[0]) >= Math.abs(e.head[1] - e.tail[1])) return {
 		x: n,
 		y: r + (t > 0 ? -6 : 17),
@@ -491,76 +491,83 @@ function Pe(e, t) {
 		"text-anchor": t > 0 ? "end" : "start"
 	};
 }
-function Fe(e, t) {
+function Ie(e) {
+	let [t, n] = Ne(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Ne(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts);
+	return me(n, i, t, r, e.shift * 9);
+}
+function Le(e) {
+	return [(e.tail[0] + e.head[0]) / 2, (e.tail[1] + e.head[1]) / 2];
+}
+function Re(e, t) {
 	for (let n in e) if (e[n] !== t[n]) return !0;
 	return !1;
 }
-var Ie = class extends S {
+var ze = class extends S {
 	shouldComponentUpdate(e) {
-		return Fe(e, this.props);
+		return Re(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Me(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Me(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9), o = e.drawn, s = (o?.off ? " off" : "") + (o?.conflict ? " conflict" : ""), [c, l] = [(a.tail[0] + a.head[0]) / 2, (a.tail[1] + a.head[1]) / 2], u = new Set(o?.late ?? []);
-		return /* @__PURE__ */ B("g", {
-			class: "bond" + (e.selected ? " selected" : "") + s,
+		let t = Ie(e), n = e.drawn, r = (n?.off ? " off" : "") + (n?.conflict ? " conflict" : ""), [i, a] = Le(t), o = new Set(n?.late ?? []);
+		return /* @__PURE__ */ z("g", {
+			class: "bond" + (e.selected ? " selected" : "") + r,
 			"data-bond": e.bond.key,
 			"data-text": e.bond.text,
 			children: [
-				/* @__PURE__ */ B("line", {
+				/* @__PURE__ */ z("line", {
 					class: "reach",
-					...Ne([a.tail, a.head])
+					...Pe([t.tail, t.head])
 				}),
-				e.flow !== 0 && /* @__PURE__ */ B("line", {
+				e.flow !== 0 && /* @__PURE__ */ z("line", {
 					class: "power",
-					...Ne(e.flow > 0 ? [a.tail, a.head] : [a.head, a.tail]),
+					...Pe(e.flow > 0 ? [t.tail, t.head] : [t.head, t.tail]),
 					style: { strokeWidth: `${2 + 5 * Math.abs(e.flow)}px` }
 				}),
-				/* @__PURE__ */ B("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line",
-					...Ne([a.tail, a.head])
+					...Pe([t.tail, t.head])
 				}),
-				/* @__PURE__ */ B("line", {
+				/* @__PURE__ */ z("line", {
 					class: "line barb",
-					...Ne(a.barb)
+					...Pe(t.barb)
 				}),
-				o?.strokes.map((e) => /* @__PURE__ */ B("line", {
-					class: "stroke" + (u.has(e) ? " derivative" : ""),
+				n?.strokes.map((e) => /* @__PURE__ */ z("line", {
+					class: "stroke" + (o.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ne(me(a, e))
+					...Pe(he(t, e))
 				})),
-				o?.dashed?.map((e) => /* @__PURE__ */ B("line", {
-					class: "stroke dynamic" + (u.has(e) ? " derivative" : ""),
+				n?.dashed?.map((e) => /* @__PURE__ */ z("line", {
+					class: "stroke dynamic" + (o.has(e) ? " derivative" : ""),
 					"data-end": e,
-					...Ne(me(a, e))
+					...Pe(he(t, e))
 				})),
-				o?.conflict && /* @__PURE__ */ B("path", {
+				n?.conflict && /* @__PURE__ */ z("path", {
 					class: "cross",
-					d: `M${c - 4.5},${l - 4.5}l9,9m0,-9l-9,9`
+					d: `M${i - 4.5},${a - 4.5}l9,9m0,-9l-9,9`
 				})
 			]
 		});
 	}
-}, Le = class extends S {
+}, Be = class extends S {
 	shouldComponentUpdate(e) {
-		return Fe(e, this.props);
+		return Re(e, this.props);
 	}
 	render(e) {
-		let [t, n] = Me(e.tail, e.bond.ends[0], e.tailControlled, [e.tx, e.ty], e.tailPorts), [r, i] = Me(e.head, e.bond.ends[1], e.headControlled, [e.hx, e.hy], e.headPorts), a = pe(n, i, t, r, e.shift * 9);
-		return /* @__PURE__ */ B("g", {
+		let t = Ie(e);
+		return /* @__PURE__ */ z("g", {
 			"data-values": e.bond.key,
-			children: [/* @__PURE__ */ B("text", {
+			children: [/* @__PURE__ */ z("text", {
 				class: "value",
-				...Pe(a, 1),
+				...Fe(t, 1),
 				children: e.effort
-			}), /* @__PURE__ */ B("text", {
+			}), /* @__PURE__ */ z("text", {
 				class: "value",
-				...Pe(a, -1),
+				...Fe(t, -1),
 				children: e.rate
 			})]
 		});
 	}
 };
-function Re(e, t, n) {
+function Ve(e, t, n) {
 	return e === "n" ? {
 		x: t,
 		y: n + 13,
@@ -575,7 +582,7 @@ function Re(e, t, n) {
 		"text-anchor": e === "w" ? "start" : "end"
 	};
 }
-function ze(e, t, n) {
+function He(e, t, n) {
 	let r = e.node.kind === "0" || e.node.kind === "1", i = new Set(e.taken), a = [...r || e.taken === "s" ? "nsew" : "snew"].find((e) => !i.has(e)), o = n * 13, s = (t.x0 + t.x1) / 2 - e.x;
 	return e.node.kind === "part" && e.ports.includes("s") ? e.ports.includes("n") ? {
 		x: s + 8,
@@ -607,12 +614,12 @@ function ze(e, t, n) {
 		anchor: "start"
 	};
 }
-var Be = class extends S {
+var Ue = class extends S {
 	shouldComponentUpdate(e) {
-		return Fe(e, this.props);
+		return Re(e, this.props);
 	}
 	render(e) {
-		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = je(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
+		let { node: t, state: n } = e, r = n?.controlled ?? (!!t.machine || !!t.law), i = Me(t, r, [e.x, e.y], e.ports), a = "node" + (t.kind === "0" || t.kind === "1" ? " junction" : "") + (t.kind === "part" ? " part" : "") + (n?.off ? " off" : "") + (n?.derivative ? " derivative" : "") + (e.selected ? " selected" : "") + (e.target ? " target" : ""), o = n?.says ?? t.says, s = [
 			{
 				role: "name",
 				text: t.name
@@ -633,14 +640,14 @@ var Be = class extends S {
 				role: "machine",
 				text: `port ${t.outside.join(", ")}`
 			}] : []
-		], c = ze(e, i, s.length), l = ve * 19 / 2, u = ke(t, e.ports);
-		return /* @__PURE__ */ B("g", {
+		], c = He(e, i, s.length), l = ye * 19 / 2, u = Ae(t, e.ports);
+		return /* @__PURE__ */ z("g", {
 			class: a,
 			"data-node": t.name,
 			transform: `translate(${e.x},${e.y})`,
 			children: [
-				t.kind === "part" ? /* @__PURE__ */ B(x, { children: [
-					/* @__PURE__ */ B("rect", {
+				t.kind === "part" ? /* @__PURE__ */ z(x, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "frame",
 						x: -u.half,
 						y: u.top,
@@ -648,42 +655,42 @@ var Be = class extends S {
 						height: u.bottom - u.top,
 						rx: 6
 					}),
-					/* @__PURE__ */ B("text", {
+					/* @__PURE__ */ z("text", {
 						class: "title",
 						y: u.title,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					[...Ae(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ B("g", {
+					[...je(t, e.ports)].map(([n, [r, i]], a) => /* @__PURE__ */ z("g", {
 						class: "port",
 						"data-port": `${t.name}.${n}`,
 						children: [
-							/* @__PURE__ */ B("circle", {
+							/* @__PURE__ */ z("circle", {
 								class: "hit",
 								cx: r,
 								cy: i,
 								r: 9
 							}),
-							/* @__PURE__ */ B("circle", {
+							/* @__PURE__ */ z("circle", {
 								cx: r,
 								cy: i,
 								r: 3
 							}),
-							/* @__PURE__ */ B("text", {
-								...Re(e.ports[a], r, i),
+							/* @__PURE__ */ z("text", {
+								...Ve(e.ports[a], r, i),
 								children: n
 							})
 						]
 					}))
-				] }) : /* @__PURE__ */ B(x, { children: [
-					/* @__PURE__ */ B("rect", {
+				] }) : /* @__PURE__ */ z(x, { children: [
+					/* @__PURE__ */ z("rect", {
 						class: "reach",
 						x: i.x0 - e.x - 6,
 						y: i.y0 - e.y - 6,
 						width: i.x1 - i.x0 + 12,
 						height: i.y1 - i.y0 + 12
 					}),
-					r && /* @__PURE__ */ B("rect", {
+					r && /* @__PURE__ */ z("rect", {
 						class: "switch",
 						x: i.x0 - e.x,
 						y: i.y0 - e.y,
@@ -691,59 +698,59 @@ var Be = class extends S {
 						height: i.y1 - i.y0,
 						rx: 6
 					}),
-					/* @__PURE__ */ B("text", {
+					/* @__PURE__ */ z("text", {
 						class: "letters",
 						x: r ? -4 : 0,
 						y: l,
 						"text-anchor": "middle",
 						children: t.letters
 					}),
-					r && /* @__PURE__ */ B("text", {
+					r && /* @__PURE__ */ z("text", {
 						class: "subscript",
-						x: _e(t.letters, 19, !0) / 2 - 3.5,
+						x: ve(t.letters, 19, !0) / 2 - 3.5,
 						y: l + 3.5,
 						children: "c"
 					})
 				] }),
-				s.map((e, t) => /* @__PURE__ */ B("text", {
+				s.map((e, t) => /* @__PURE__ */ z("text", {
 					class: e.role,
 					x: c.x,
 					y: c.y + 13 * t,
 					"text-anchor": c.anchor,
 					children: e.text.length > 24 ? e.text.slice(0, 23) + "…" : e.text
 				})),
-				e.selected && /* @__PURE__ */ B("g", {
+				e.selected && /* @__PURE__ */ z("g", {
 					class: "handle",
 					"data-handle": t.name,
 					children: [
-						/* @__PURE__ */ B("circle", {
+						/* @__PURE__ */ z("circle", {
 							class: "hit",
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 14
 						}),
-						/* @__PURE__ */ B("circle", {
+						/* @__PURE__ */ z("circle", {
 							cx: i.x1 - e.x + 12,
 							cy: i.y0 - e.y - 8,
 							r: 6
 						}),
-						/* @__PURE__ */ B("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
+						/* @__PURE__ */ z("path", { d: `M${i.x1 - e.x + 9},${i.y0 - e.y - 5}l6,-6m-4,0h4v4` })
 					]
 				})
 			]
 		});
 	}
-}, Ve = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
-function He({ state: e, sight: t, gesture: n, moved: r }) {
+}, We = (e) => e.map((e) => e.replace(/\[[^\]]*\]/g, "")).sort().join("|");
+function Ge({ state: e, sight: t, gesture: n, moved: r }) {
 	let i = e.look, a = e.cursor?.strokes ?? i.strokes, o = n?.kind === "drag" ? new Set(n.names) : null, s = /* @__PURE__ */ new Map(), c = /* @__PURE__ */ new Map();
 	for (let e of i.view.nodes) {
-		let [t, n] = Ee(e.x, e.y);
+		let [t, n] = De(e.x, e.y);
 		s.set(e.name, o?.has(e.name) ? [t + r[0], n + r[1]] : [t, n]), c.set(e.name, e);
 	}
 	let l = (e) => a.nodes[e.name]?.controlled ?? (!!e.machine || !!e.law), u = /* @__PURE__ */ new Map(), d = /* @__PURE__ */ new Map();
 	for (let e of i.view.bonds) {
 		u.has(e.tail) || u.set(e.tail, []), u.has(e.head) || u.set(e.head, []), u.get(e.tail).push(s.get(e.head)), u.get(e.head).push(s.get(e.tail));
-		let t = Ve(e.ends);
+		let t = We(e.ends);
 		d.set(t, [...d.get(t) ?? [], e.key]);
 	}
 	let f = /* @__PURE__ */ new Map();
@@ -760,9 +767,9 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 		f.set(t, [e + o[0] - a[0], i + o[1] - a[1]]);
 	}
 	let p = /* @__PURE__ */ new Map();
-	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, Oe(e, f));
-	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? se(n.target) : "", v = (t) => {
-		let [n, r] = [c.get(t.tail), c.get(t.head)], [i, o] = [s.get(t.tail), s.get(t.head)], u = d.get(Ve(t.ends)), f = h?.[t.key];
+	for (let e of i.view.nodes) e.kind === "part" && p.set(e.name, ke(e, f));
+	let m = (e) => p.get(e) ?? "", h = e.cursor?.values, g = h ? Math.max(1e-300, ...Object.values(h).map((e) => Math.abs((e.e ?? 0) * (e.f ?? 0)))) : 1, _ = n?.kind === "wire" ? ce(n.target) : "", v = (t) => {
+		let [n, r] = [c.get(t.tail), c.get(t.head)], [i, o] = [s.get(t.tail), s.get(t.head)], u = d.get(We(t.ends)), f = h?.[t.key];
 		return {
 			bond: t,
 			tail: n,
@@ -781,20 +788,20 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 			flow: e.flowing && f ? (f.e ?? 0) * (f.f ?? 0) / g : 0
 		};
 	};
-	return /* @__PURE__ */ B(x, { children: [
-		/* @__PURE__ */ B("defs", { children: [/* @__PURE__ */ B("pattern", {
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("defs", { children: [/* @__PURE__ */ z("pattern", {
 			id: "dots",
-			width: Te[0] / 4,
-			height: Te[1] / 4,
+			width: Ee[0] / 4,
+			height: Ee[1] / 4,
 			patternUnits: "userSpaceOnUse",
 			patternTransform: `translate(${t.x},${t.y}) scale(${t.k})`,
-			children: /* @__PURE__ */ B("circle", {
+			children: /* @__PURE__ */ z("circle", {
 				cx: 0,
 				cy: 0,
 				r: .7,
 				class: "dot"
 			})
-		}), /* @__PURE__ */ B("marker", {
+		}), /* @__PURE__ */ z("marker", {
 			id: "signal",
 			viewBox: "0 0 8 8",
 			refX: 7,
@@ -802,25 +809,25 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 			markerWidth: 7,
 			markerHeight: 7,
 			orient: "auto",
-			children: /* @__PURE__ */ B("path", {
+			children: /* @__PURE__ */ z("path", {
 				d: "M0,1L8,4L0,7z",
 				class: "signalhead"
 			})
 		})] }),
-		t.k > .45 && /* @__PURE__ */ B("rect", {
+		t.k > .45 && /* @__PURE__ */ z("rect", {
 			class: "paper",
 			width: "100%",
 			height: "100%",
 			fill: "url(#dots)"
 		}),
-		/* @__PURE__ */ B("g", {
+		/* @__PURE__ */ z("g", {
 			transform: `translate(${t.x},${t.y}) scale(${t.k})`,
 			children: [
 				i.view.modulations.map((e) => {
 					let t = c.get(e.from), n = c.get(e.to);
 					if (!t || !n) return null;
-					let [r, i] = [s.get(e.from), s.get(e.to)], a = pe(je(t, l(t), r, m(t.name)), je(n, l(n), i, m(n.name)), r, i, 7);
-					return /* @__PURE__ */ B("line", {
+					let [r, i] = [s.get(e.from), s.get(e.to)], a = me(Me(t, l(t), r, m(t.name)), Me(n, l(n), i, m(n.name)), r, i, 7);
+					return /* @__PURE__ */ z("line", {
 						class: "signal",
 						x1: a.tail[0],
 						y1: a.tail[1],
@@ -829,8 +836,8 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 						"marker-end": "url(#signal)"
 					});
 				}),
-				/* @__PURE__ */ B("g", { children: i.view.bonds.map((e) => /* @__PURE__ */ B(Ie, { ...v(e) }, e.key)) }),
-				/* @__PURE__ */ B("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ B(Be, {
+				/* @__PURE__ */ z("g", { children: i.view.bonds.map((e) => /* @__PURE__ */ z(ze, { ...v(e) }, e.key)) }),
+				/* @__PURE__ */ z("g", { children: i.view.nodes.map((t) => /* @__PURE__ */ z(Ue, {
 					node: t,
 					x: s.get(t.name)[0],
 					y: s.get(t.name)[1],
@@ -838,21 +845,21 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 					selected: e.nodes.has(t.name),
 					ports: m(t.name),
 					target: _ === t.name || e.bondFrom === t.name,
-					taken: [...be(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
+					taken: [...xe(s.get(t.name), u.get(t.name) ?? [])].sort().join("")
 				}, t.name)) }),
-				h && t.k > .6 && /* @__PURE__ */ B("g", { children: i.view.bonds.map((e) => {
+				h && t.k > .6 && /* @__PURE__ */ z("g", { children: i.view.bonds.map((e) => {
 					let t = h[e.key];
-					return t && /* @__PURE__ */ B(Le, {
+					return t && /* @__PURE__ */ z(Be, {
 						...v(e),
-						effort: z(t.e, t.units[0]),
-						rate: z(t.f, t.units[1])
+						effort: R(t.e, t.units[0]),
+						rate: R(t.f, t.units[1])
 					}, e.key);
 				}) }),
-				n?.kind === "wire" && /* @__PURE__ */ B(We, {
-					from: Ue(n.from, c, s, p),
+				n?.kind === "wire" && /* @__PURE__ */ z(qe, {
+					from: Ke(n.from, c, s, p),
 					to: n.now
 				}),
-				n?.kind === "box" && /* @__PURE__ */ B("rect", {
+				n?.kind === "box" && /* @__PURE__ */ z("rect", {
 					class: "marquee",
 					x: Math.min(n.start[0], n.now[0]),
 					y: Math.min(n.start[1], n.now[1]),
@@ -863,12 +870,12 @@ function He({ state: e, sight: t, gesture: n, moved: r }) {
 		})
 	] });
 }
-function Ue(e, t, n, r) {
-	let i = se(e);
-	return Me(t.get(i), e, !1, n.get(i), r.get(i))[0];
+function Ke(e, t, n, r) {
+	let i = ce(e);
+	return Ne(t.get(i), e, !1, n.get(i), r.get(i))[0];
 }
-function We({ from: e, to: t }) {
-	return /* @__PURE__ */ B("line", {
+function qe({ from: e, to: t }) {
+	return /* @__PURE__ */ z("line", {
 		class: "wire",
 		x1: e[0],
 		y1: e[1],
@@ -877,33 +884,33 @@ function We({ from: e, to: t }) {
 	});
 }
 // src/overlays.tsx
-function Ge({ store: e, state: t }) {
+function Je({ store: e, state: t }) {
 	let { event: n, step: r } = t.instant, i = n.steps[r], a = r < n.steps.length - 1 ? "values before" : "values after";
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "wiretext instant " + i.kind,
 		role: "status",
 		children: [
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				"aria-label": "Mode before",
 				disabled: r === 0,
 				onClick: () => e.showInstant(n, r - 1),
 				children: "◂"
 			}),
 			"t = ",
-			z(n.t, "s"),
+			R(n.t, "s"),
 			", mode ",
 			r + 1,
 			" of ",
 			n.steps.length,
 			": ",
-			/* @__PURE__ */ B("b", { children: i.kind }),
+			/* @__PURE__ */ z("b", { children: i.kind }),
 			" ",
-			/* @__PURE__ */ B("small", { children: [
+			/* @__PURE__ */ z("small", { children: [
 				"(",
 				a,
 				")"
 			] }),
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				"aria-label": "Mode after",
 				disabled: r + 1 === n.steps.length,
 				onClick: () => e.showInstant(n, r + 1),
@@ -912,7 +919,7 @@ function Ge({ store: e, state: t }) {
 		]
 	});
 }
-function Ke(e, t, [n, r]) {
+function Ye(e, t, [n, r]) {
 	let i, a = Infinity;
 	for (let o of e) {
 		let e = (o.x - t.x) * n + (o.y - t.y) * r, s = Math.abs((o.x - t.x) * r - (o.y - t.y) * n);
@@ -922,38 +929,38 @@ function Ke(e, t, [n, r]) {
 	}
 	return i;
 }
-function qe({ state: e, sight: t, size: n }) {
+function Xe({ state: e, sight: t, size: n }) {
 	let r = e.look.view.nodes;
 	if (r.length < 25) return null;
 	let i = r.map((e) => e.x), a = r.map((e) => e.y), [o, s] = [Math.min(...i) - 1, Math.min(...a) - 1], [c, l] = [Math.max(...i) + 2 - o, Math.max(...a) + 2 - s], u = {
-		x: -t.x / t.k / Te[0],
-		y: -t.y / t.k / Te[1]
+		x: -t.x / t.k / Ee[0],
+		y: -t.y / t.k / Ee[1]
 	};
-	return /* @__PURE__ */ B("svg", {
+	return /* @__PURE__ */ z("svg", {
 		class: "minimap",
 		viewBox: `${o} ${s} ${c} ${l}`,
 		"aria-hidden": "true",
-		children: [r.map((e) => /* @__PURE__ */ B("circle", {
+		children: [r.map((e) => /* @__PURE__ */ z("circle", {
 			cx: e.x,
 			cy: e.y,
 			r: c / 90
-		})), /* @__PURE__ */ B("rect", {
+		})), /* @__PURE__ */ z("rect", {
 			x: u.x,
 			y: u.y,
-			width: n[0] / t.k / Te[0],
-			height: n[1] / t.k / Te[1]
+			width: n[0] / t.k / Ee[0],
+			height: n[1] / t.k / Ee[1]
 		})]
 	});
 }
 // src/keys.ts
-var Je = {
+var Ze = {
 	ArrowLeft: [-1, 0],
 	ArrowRight: [1, 0],
 	ArrowUp: [0, -1],
 	ArrowDown: [0, 1]
 };
-function Ye(e, t, n) {
-	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Je[e.key];
+function Qe(e, t, n) {
+	let { state: r } = t, i = r.look?.view.nodes ?? [], a = e.ctrlKey || e.metaKey, o = r.nodes.size === 1 ? i.find((e) => r.nodes.has(e.name)) : void 0, s = Ze[e.key];
 	if (s && e.altKey && r.nodes.size) {
 		let a = e.shiftKey ? .25 : 1, o = {};
 		for (let e of i) r.nodes.has(e.name) && (o[e.name] = [e.x + a * s[0], e.y + a * s[1]]);
@@ -964,7 +971,7 @@ function Ye(e, t, n) {
 	} else if (s && !a) {
 		let e = o ?? i[0];
 		if (!e) return;
-		let n = o ? Ke(i, o, s) : e;
+		let n = o ? Ye(i, o, s) : e;
 		n && t.set({
 			nodes: /* @__PURE__ */ new Set([n.name]),
 			bonds: /* @__PURE__ */ new Set(),
@@ -1003,30 +1010,30 @@ function Ye(e, t, n) {
 	e.preventDefault();
 }
 // src/sight.ts
-var [Xe, Ze] = [.05, 6];
-function Qe(e, t, n) {
+var [$e, et] = [.05, 6];
+function tt(e, t, n) {
 	if (!e.length || !t) return {
 		x: t / 2,
 		y: n / 2,
 		k: 1
 	};
-	let r = e.map((e) => e.x * Te[0]), i = e.map((e) => e.y * Te[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
+	let r = e.map((e) => e.x * Ee[0]), i = e.map((e) => e.y * Ee[1]), [a, o] = [Math.min(...r) - 90, Math.max(...r) + 90], [s, c] = [Math.min(...i) - 60, Math.max(...i) + 70], l = Math.min(1.5, t / (o - a), n / (c - s));
 	return {
 		k: l,
 		x: t / 2 - l * (a + o) / 2,
 		y: n / 2 - l * (s + c) / 2
 	};
 }
-function $e({ x: e, y: t, k: n }, r, [i, a]) {
-	let o = Math.max(Xe, Math.min(Ze, n * r));
+function nt({ x: e, y: t, k: n }, r, [i, a]) {
+	let o = Math.max($e, Math.min(et, n * r));
 	return {
 		k: o,
 		x: i - (i - e) * o / n,
 		y: a - (a - t) * o / n
 	};
 }
-function et(e, [t, n], [r, i]) {
-	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max(Xe, Math.min(Ze, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
+function rt(e, [t, n], [r, i]) {
+	let a = Math.hypot(t[0] - n[0], t[1] - n[1]), o = Math.hypot(r[0] - i[0], r[1] - i[1]), s = Math.max($e, Math.min(et, e.k * o / Math.max(a, 1))), [c, l] = [(r[0] + i[0]) / 2, (r[1] + i[1]) / 2], [u, d] = [(t[0] + n[0]) / 2, (t[1] + n[1]) / 2];
 	return {
 		k: s,
 		x: c - (u - e.x) * s / e.k,
@@ -1034,7 +1041,7 @@ function et(e, [t, n], [r, i]) {
 	};
 }
 // src/canvas.tsx
-var tt = class extends S {
+var it = class extends S {
 	svg = b();
 	state = {
 		sight: {
@@ -1091,12 +1098,12 @@ var tt = class extends S {
 		this.seen = n;
 		let r = this.svg.current.getBoundingClientRect(), i = t.view.nodes.filter((t) => e.nodes.has(t.name)), { x: a, y: o, k: s } = this.state.sight;
 		if (i.some((e) => {
-			let [t, n] = Ee(e.x, e.y), [i, c] = [a + s * t, o + s * n];
+			let [t, n] = De(e.x, e.y), [i, c] = [a + s * t, o + s * n];
 			return i < 40 || c < 40 || i > r.width - 40 || c > r.height - 40;
 		}) && i.length) {
 			if (!this.touched) this.fit();
 			else {
-				let [e, t] = Ee(i[0].x, i[0].y);
+				let [e, t] = De(i[0].x, i[0].y);
 				this.setState({ sight: {
 					k: s,
 					x: r.width / 2 - s * e,
@@ -1115,12 +1122,12 @@ var tt = class extends S {
 		let e = this.props.state.look?.view.nodes ?? [], t = this.svg.current;
 		if (!t) return;
 		let n = t.getBoundingClientRect();
-		this.setState({ sight: Qe(e, n.width, n.height) });
+		this.setState({ sight: tt(e, n.width, n.height) });
 	};
 	zoom(e, t) {
 		this.touched = !0;
 		let n = this.svg.current.getBoundingClientRect();
-		this.setState({ sight: $e(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
+		this.setState({ sight: nt(this.state.sight, e, t ?? [n.width / 2, n.height / 2]) });
 	}
 	wheel = (e) => {
 		e.preventDefault();
@@ -1145,7 +1152,7 @@ var tt = class extends S {
 	under(e, t = "") {
 		for (let n of document.elementsFromPoint(e.clientX, e.clientY)) {
 			let e = n.closest?.("[data-port]")?.getAttribute("data-port");
-			if (e && se(e) !== t) return e;
+			if (e && ce(e) !== t) return e;
 			let r = n.closest?.("[data-node]")?.getAttribute("data-node");
 			if (r && r !== t) return r;
 		}
@@ -1240,7 +1247,7 @@ var tt = class extends S {
 			if (t.kind === "pinch") {
 				let [e, r] = t.ids.map((e) => this.pointers.get(e));
 				this.setState({
-					sight: et(n, t.last, [e, r]),
+					sight: rt(n, t.last, [e, r]),
 					gesture: {
 						...t,
 						last: [e, r]
@@ -1277,7 +1284,7 @@ var tt = class extends S {
 					now: this.inGraph(r)
 				} });
 				else if (t.kind === "wire") {
-					let n = this.under(e, se(t.from));
+					let n = this.under(e, ce(t.from));
 					this.setState({ gesture: {
 						...t,
 						now: this.inGraph(r),
@@ -1301,7 +1308,7 @@ var tt = class extends S {
 				} else if (t.kind === "drag") {
 					let a = e.altKey ? .05 : .25, o = {};
 					for (let e of i.look.view.nodes) if (t.names.includes(e.name)) {
-						let t = e.x + n[0] / Te[0], r = e.y + n[1] / Te[1];
+						let t = e.x + n[0] / Ee[0], r = e.y + n[1] / Ee[1];
 						o[e.name] = [Math.round(t / a) * a, Math.round(r / a) * a];
 					}
 					this.place(o), r.edit({
@@ -1310,13 +1317,13 @@ var tt = class extends S {
 					});
 				} else if (t.kind === "box") {
 					let [e, n] = [t.start[0], t.now[0]].sort((e, t) => e - t), [a, o] = [t.start[1], t.now[1]].sort((e, t) => e - t), s = i.look.view.nodes.filter((t) => {
-						let [r, i] = Ee(t.x, t.y);
+						let [r, i] = De(t.x, t.y);
 						return r >= e && r <= n && i >= a && i <= o;
 					}).map((e) => e.name);
 					s.length && r.set({ nodes: new Set(t.add ? [...i.nodes, ...s] : s) });
 				} else if (t.kind === "wire") {
-					let n = this.under(e, se(t.from)) || t.target;
-					n ? r.bond(t.from, n) : Math.hypot(...nt(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
+					let n = this.under(e, ce(t.from)) || t.target;
+					n ? r.bond(t.from, n) : Math.hypot(...at(this.local(e), t.start)) < 8 && r.set({ bondFrom: t.from });
 				} else t.kind === "pan" && !t.moved && r.set({
 					nodes: /* @__PURE__ */ new Set(),
 					bonds: /* @__PURE__ */ new Set(),
@@ -1347,22 +1354,22 @@ var tt = class extends S {
 		let { store: t, state: n } = this.props, r = n.look?.view.nodes.find((t) => t.name === e);
 		r?.kind === "part" && r.known ? t.open(n.level ? `${n.level}.${e}` : e) : (t.set({ tab: "item" }), requestAnimationFrame(() => document.querySelector(".side [data-first]")?.focus()));
 	}
-	key = (e) => Ye(e, this.props.store, this);
+	key = (e) => Qe(e, this.props.store, this);
 	dropped = (e) => {
 		let t = e.dataTransfer?.getData("application/x-hybond");
 		if (!t) return;
 		e.preventDefault();
 		let { element: n, stem: r } = JSON.parse(t), [i, a] = this.inGraph(this.local(e));
-		this.props.store.add(n, r, [Math.round(i / Te[0] * 4) / 4, Math.round(a / Te[1] * 4) / 4]);
+		this.props.store.add(n, r, [Math.round(i / Ee[0] * 4) / 4, Math.round(a / Ee[1] * 4) / 4]);
 	};
 	render({ state: e, store: t }, { sight: n, gesture: r, moved: i }) {
 		let a = e.look;
-		return a ? /* @__PURE__ */ B("div", {
+		return a ? /* @__PURE__ */ z("div", {
 			class: "canvas",
 			onDragOver: (e) => e.preventDefault(),
 			onDrop: this.dropped,
 			children: [
-				/* @__PURE__ */ B("svg", {
+				/* @__PURE__ */ z("svg", {
 					ref: this.svg,
 					tabindex: 0,
 					role: "application",
@@ -1374,14 +1381,14 @@ var tt = class extends S {
 					onPointerCancel: this.up,
 					onKeyDown: this.key,
 					class: e.flowing ? "flowing" : "",
-					children: /* @__PURE__ */ B(He, {
+					children: /* @__PURE__ */ z(Ge, {
 						state: e,
 						sight: n,
 						gesture: r,
 						moved: i
 					})
 				}),
-				r?.kind === "wire" && /* @__PURE__ */ B("div", {
+				r?.kind === "wire" && /* @__PURE__ */ z("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1392,11 +1399,11 @@ var tt = class extends S {
 						r.target || "…"
 					]
 				}),
-				e.instant && /* @__PURE__ */ B(Ge, {
+				e.instant && /* @__PURE__ */ z(Je, {
 					store: t,
 					state: e
 				}),
-				e.bondFrom && /* @__PURE__ */ B("div", {
+				e.bondFrom && /* @__PURE__ */ z("div", {
 					class: "wiretext",
 					role: "status",
 					children: [
@@ -1408,22 +1415,22 @@ var tt = class extends S {
 						": choose the other end"
 					]
 				}),
-				/* @__PURE__ */ B("div", {
+				/* @__PURE__ */ z("div", {
 					class: "views",
 					children: [
-						/* @__PURE__ */ B("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Zoom in (+)",
 							"aria-label": "Zoom in",
 							onClick: () => this.zoom(1.25),
 							children: "+"
 						}),
-						/* @__PURE__ */ B("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Zoom out (-)",
 							"aria-label": "Zoom out",
 							onClick: () => this.zoom(.8),
 							children: "−"
 						}),
-						/* @__PURE__ */ B("button", {
+						/* @__PURE__ */ z("button", {
 							title: "Show all (f)",
 							"aria-label": "Show all",
 							onClick: this.fit,
@@ -1431,24 +1438,24 @@ var tt = class extends S {
 						})
 					]
 				}),
-				/* @__PURE__ */ B(qe, {
+				/* @__PURE__ */ z(Xe, {
 					state: e,
 					sight: n,
 					size: this.size
 				}),
-				a.view.crumbs.length > 0 && /* @__PURE__ */ B("nav", {
+				a.view.crumbs.length > 0 && /* @__PURE__ */ z("nav", {
 					class: "crumbs",
 					"aria-label": "Submodel",
 					children: [
-						/* @__PURE__ */ B("button", {
+						/* @__PURE__ */ z("button", {
 							onClick: () => t.open(""),
 							children: a.title || a.file
 						}),
-						a.view.crumbs.map((e, n) => /* @__PURE__ */ B(x, { children: [" › ", /* @__PURE__ */ B("button", {
+						a.view.crumbs.map((e, n) => /* @__PURE__ */ z(x, { children: [" › ", /* @__PURE__ */ z("button", {
 							onClick: () => t.open(a.view.crumbs.slice(0, n + 1).join(".")),
 							children: e
 						})] })),
-						!a.view.editable && /* @__PURE__ */ B("span", { children: [
+						!a.view.editable && /* @__PURE__ */ z("span", { children: [
 							" (",
 							a.view.name,
 							", a ready part: to look at)"
@@ -1456,34 +1463,34 @@ var tt = class extends S {
 					]
 				})
 			]
-		}) : /* @__PURE__ */ B("div", { class: "canvas" });
+		}) : /* @__PURE__ */ z("div", { class: "canvas" });
 	}
-}, nt = (e, t) => [e[0] - t[0], e[1] - t[1]], rt, it, at, ot, st = Object.is, ct = 0, lt = [], ut = [], V = e, dt = V.__b, ft = V.__r, pt = V.diffed, mt = V.__c, ht = V.unmount, gt = V.__;
-function _t(e, t) {
-	V.__h && V.__h(it, e, ct || t), ct = 0;
-	var n = it.__H || (it.__H = {
+}, at = (e, t) => [e[0] - t[0], e[1] - t[1]], ot, B, st, ct, lt = Object.is, ut = 0, dt = [], ft = [], pt = e, mt = pt.__b, ht = pt.__r, gt = pt.diffed, _t = pt.__c, vt = pt.unmount, yt = pt.__;
+function bt(e, t) {
+	pt.__h && pt.__h(B, e, ut || t), ut = 0;
+	var n = B.__H || (B.__H = {
 		__: [],
 		__h: []
 	});
 	return e >= n.__.length && n.__.push({}), n.__[e];
 }
-function H(e) {
-	return ct = 1, vt(kt, e);
+function V(e) {
+	return ut = 1, xt(jt, e);
 }
-function vt(e, t, n) {
-	var r = _t(rt++, 2);
-	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : kt(void 0, t), function(e) {
+function xt(e, t, n) {
+	var r = bt(ot++, 2);
+	if (r.t = e, !r.__c && (r.__ = [n ? n(t) : jt(void 0, t), function(e) {
 		var t = (r.__N || r.__)[0], n = r.t(t, e);
-		st(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
-	}], r.__c = it, !it.__f)) {
-		it.__f = !0;
-		var i = it.shouldComponentUpdate;
-		it.shouldComponentUpdate = function(e, t, n) {
+		lt(t, n) || (r.__N = [n, r.__[1]], r.__c.setState({}));
+	}], r.__c = B, !B.__f)) {
+		B.__f = !0;
+		var i = B.shouldComponentUpdate;
+		B.shouldComponentUpdate = function(e, t, n) {
 			var r = this.__H;
 			if (!r) return !0;
 			var a = !1, o = this.props != e;
 			if (r.__.some(function(e) {
-				e.__N && (a = !0, st(e.__[0], e.__N[0]) || (o = !0));
+				e.__N && (a = !0, lt(e.__[0], e.__N[0]) || (o = !0));
 			}), i) {
 				var s = i.call(this, e, t, n);
 				return a ? s || o : s;
@@ -1493,67 +1500,67 @@ function vt(e, t, n) {
 	}
 	return r.__;
 }
-function yt(e, t) {
-	var n = _t(rt++, 3);
-	!V.__s && Ot(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, it.__H.__h.push(n));
+function H(e, t) {
+	var n = bt(ot++, 3);
+	!pt.__s && At(n.__H, t) && (n.__P = !0, n.__ = e, n.u = t, B.__H.__h.push(n));
 }
-function bt(e) {
-	return ct = 5, xt(function() {
+function St(e) {
+	return ut = 5, Ct(function() {
 		return { current: e };
 	}, []);
 }
-function xt(e, t) {
-	var n = _t(rt++, 7);
-	return Ot(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
+function Ct(e, t) {
+	var n = bt(ot++, 7);
+	return At(n.__H, t) && (n.__ = e(), n.__H = t), n.__;
 }
-function St() {
+function wt() {
 	var e;
 	do {
-		for (; e = ut.shift();) try {
-			Et(e);
+		for (; e = ft.shift();) try {
+			Ot(e);
 		} catch (t) {
-			V.__e(t, { __: (e = e.__P) && e.__v });
+			pt.__e(t, { __: (e = e.__P) && e.__v });
 		}
-		for (; e = lt.shift();) {
+		for (; e = dt.shift();) {
 			var t = e.__H;
 			if (e.__P && t) try {
-				t.__h.some(Et), t.__h.some(Dt), t.__h = [];
+				t.__h.some(Ot), t.__h.some(kt), t.__h = [];
 			} catch (n) {
-				t.__h = [], V.__e(n, e.__v);
+				t.__h = [], pt.__e(n, e.__v);
 			}
 		}
-	} while (ut.length);
+	} while (ft.length);
 }
-V.__b = function(e) {
-	it = null, dt && dt(e);
-}, V.__ = function(e, t) {
-	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), gt && gt(e, t);
-}, V.__r = function(e) {
-	ft && ft(e), rt = 0;
-	var t = (it = e.__c).__H;
-	t && (at == it ? it.__h = [] : (t.__h.some(Et), t.__h.some(Dt), rt = 0), t.__h = [], t.__.some(function(e) {
+pt.__b = function(e) {
+	B = null, mt && mt(e);
+}, pt.__ = function(e, t) {
+	e && t.__k && t.__k.__m && (e.__m = t.__k.__m), yt && yt(e, t);
+}, pt.__r = function(e) {
+	ht && ht(e), ot = 0;
+	var t = (B = e.__c).__H;
+	t && (st == B ? B.__h = [] : (t.__h.some(Ot), t.__h.some(kt), ot = 0), t.__h = [], t.__.some(function(e) {
 		e.__N && (e.__ = e.__N), e.u = e.__N = void 0;
-	})), at = it;
-}, V.diffed = function(e) {
-	pt && pt(e);
+	})), st = B;
+}, pt.diffed = function(e) {
+	gt && gt(e);
 	var t = e.__c;
-	t && t.__H && (t.__H.__h.length && Tt(lt.push(t)), t.__H.__.some(function(e) {
+	t && t.__H && (t.__H.__h.length && Dt(dt.push(t)), t.__H.__.some(function(e) {
 		e.u && (e.__H = e.u);
-	})), at = it = null;
-}, V.__c = function(e, t) {
+	})), st = B = null;
+}, pt.__c = function(e, t) {
 	t.some(function(e) {
 		try {
-			e.__h.some(Et), e.__h = e.__h.filter(function(e) {
-				return !e.__ || Dt(e);
+			e.__h.some(Ot), e.__h = e.__h.filter(function(e) {
+				return !e.__ || kt(e);
 			});
 		} catch (t) {
 			e.__h = [function() {
 				throw t;
 			}];
 		}
-	}), mt && mt(e, t);
-}, V.unmount = function(e) {
-	ht && ht(e);
+	}), _t && _t(e, t);
+}, pt.unmount = function(e) {
+	vt && vt(e);
 	var t, n, r = e.__c;
 	r && r.__H && (r.__H.__.some(function(r) {
 		try {
@@ -1562,50 +1569,50 @@ V.__b = function(e) {
 					for (n = e.__; n && (!n.__c || !n.__c.__P);) n = n.__;
 					n &&= n.__c;
 				}
-				r.__P = n, Tt(ut.push(r));
-			} else Et(r);
+				r.__P = n, Dt(ft.push(r));
+			} else Ot(r);
 		} catch (e) {
 			t = e;
 		}
-	}), r.__H = void 0, t && V.__e(t, r.__v));
+	}), r.__H = void 0, t && pt.__e(t, r.__v));
 };
-var Ct = typeof requestAnimationFrame == "function";
-function wt(e) {
-	var t, n = function() {
-		clearTimeout(r), Ct && cancelAnimationFrame(t), setTimeout(e);
-	}, r = setTimeout(n, 35);
-	Ct && (t = requestAnimationFrame(n));
-}
-function Tt(e) {
-	e != 1 && ot == V.requestAnimationFrame || ((ot = V.requestAnimationFrame) || wt)(St);
-}
+var Tt = typeof requestAnimationFrame == "function";
 function Et(e) {
-	var t = it, n = e.__c;
-	typeof n == "function" && (e.__c = void 0, n()), it = t;
+	var t, n = function() {
+		clearTimeout(r), Tt && cancelAnimationFrame(t), setTimeout(e);
+	}, r = setTimeout(n, 35);
+	Tt && (t = requestAnimationFrame(n));
 }
 function Dt(e) {
-	var t = it;
-	e.__c = e.__(), it = t;
+	e != 1 && ct == pt.requestAnimationFrame || ((ct = pt.requestAnimationFrame) || Et)(wt);
 }
-function Ot(e, t) {
+function Ot(e) {
+	var t = B, n = e.__c;
+	typeof n == "function" && (e.__c = void 0, n()), B = t;
+}
+function kt(e) {
+	var t = B;
+	e.__c = e.__(), B = t;
+}
+function At(e, t) {
 	return !e || e.length != t.length || t.some(function(t, n) {
-		return !st(t, e[n]);
+		return !lt(t, e[n]);
 	});
 }
-function kt(e, t) {
+function jt(e, t) {
 	return typeof t == "function" ? t(e) : t;
 }
 // src/events.tsx
-var At = 100;
-function jt({ store: e, state: t }) {
-	let [n, r] = H([]), [i, a] = H(0), [o, s] = H(0), c = t.run;
-	yt(() => s(0), [c?.run]), yt(() => {
+var Mt = 100;
+function Nt({ store: e, state: t }) {
+	let [n, r] = V([]), [i, a] = V(0), [o, s] = V(0), c = t.run;
+	H(() => s(0), [c?.run]), H(() => {
 		if (!c || c.tEnd === void 0) return r([]);
 		let t = !1;
 		return e.transport.ask("events", {
 			run: c.run,
 			first: o,
-			count: At
+			count: Mt
 		}).then((e) => {
 			t || (r(e.events), a(e.total));
 		}).catch((t) => e.refused(t)), () => {
@@ -1613,60 +1620,60 @@ function jt({ store: e, state: t }) {
 		};
 	}, [c?.run, o]);
 	let l = t.instant?.event.event;
-	return /* @__PURE__ */ B("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "events",
 		tabindex: 0,
 		"aria-label": "Events",
 		children: [
-			c && c.tEnd !== void 0 && /* @__PURE__ */ B("p", {
+			c && c.tEnd !== void 0 && /* @__PURE__ */ z("p", {
 				class: "status " + c.status,
 				children: [
-					c.status === "ok" ? "ok" : /* @__PURE__ */ B("b", { children: c.status }),
+					c.status === "ok" ? "ok" : /* @__PURE__ */ z("b", { children: c.status }),
 					", ",
 					i,
 					" events, ",
-					z(c.took, "s"),
+					R(c.took, "s"),
 					c.method ? `, ${c.method}` : ""
 				]
 			}),
-			c?.warnings?.map((e) => /* @__PURE__ */ B("p", {
+			c?.warnings?.map((e) => /* @__PURE__ */ z("p", {
 				class: "warning",
 				children: e
 			})),
-			i > At && /* @__PURE__ */ B("p", { children: [
-				/* @__PURE__ */ B("button", {
+			i > Mt && /* @__PURE__ */ z("p", { children: [
+				/* @__PURE__ */ z("button", {
 					disabled: o === 0,
-					onClick: () => s(Math.max(0, o - At)),
+					onClick: () => s(Math.max(0, o - Mt)),
 					children: "◂"
 				}),
 				" ",
 				o + 1,
 				" to ",
-				Math.min(o + At, i),
+				Math.min(o + Mt, i),
 				" of ",
 				i,
 				" ",
-				/* @__PURE__ */ B("button", {
-					disabled: o + At >= i,
-					onClick: () => s(o + At),
+				/* @__PURE__ */ z("button", {
+					disabled: o + Mt >= i,
+					onClick: () => s(o + Mt),
 					children: "▸"
 				})
 			] }),
-			/* @__PURE__ */ B("ol", { children: n.map((n) => /* @__PURE__ */ B("li", {
+			/* @__PURE__ */ z("ol", { children: n.map((n) => /* @__PURE__ */ z("li", {
 				class: n.event === l ? "open" : "",
-				children: [/* @__PURE__ */ B("button", {
+				children: [/* @__PURE__ */ z("button", {
 					"data-event": n.event,
 					"aria-expanded": n.event === l,
 					onClick: () => e.showInstant(n, 0),
 					children: [
-						/* @__PURE__ */ B("b", { children: z(n.t, "s") }),
+						/* @__PURE__ */ z("b", { children: R(n.t, "s") }),
 						" ",
-						/* @__PURE__ */ B("i", { children: n.cause }),
+						/* @__PURE__ */ z("i", { children: n.cause }),
 						" ",
 						n.steps.flatMap((e) => e.fired).map((e) => `${e.machine}: ${e.source} → ${e.target}`).join("; "),
-						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ B("em", { children: [" ", Mt(n)] })
+						n.steps.some((e) => e.kind !== "continuous") && /* @__PURE__ */ z("em", { children: [" ", Pt(n)] })
 					]
-				}), n.event === l && /* @__PURE__ */ B(Nt, {
+				}), n.event === l && /* @__PURE__ */ z(Ft, {
 					store: e,
 					state: t,
 					event: n
@@ -1675,18 +1682,18 @@ function jt({ store: e, state: t }) {
 		]
 	});
 }
-function Mt(e) {
+function Pt(e) {
 	let t = (t) => e.steps.filter((e) => e.kind === t).length;
 	return [[t("mythical"), "mythical"], [t("pinnacle"), "pinnacle"]].filter(([e]) => e).map(([e, t]) => e === 1 ? t : `${e} ${t}`).join(", ");
 }
-function Nt({ store: e, state: t, event: n }) {
+function Ft({ store: e, state: t, event: n }) {
 	let r = t.instant.step, i = n.steps[r];
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "detail",
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: n.steps.map((t, i) => /* @__PURE__ */ B("button", {
+				children: n.steps.map((t, i) => /* @__PURE__ */ z("button", {
 					class: "stepbutton " + t.kind,
 					"aria-pressed": i === r,
 					"data-step": i,
@@ -1698,32 +1705,32 @@ function Nt({ store: e, state: t, event: n }) {
 					]
 				}))
 			}),
-			/* @__PURE__ */ B("p", { children: [
+			/* @__PURE__ */ z("p", { children: [
 				"mode: ",
 				Object.entries(i.mode).map(([e, t]) => `${e} = ${t}`).join(", ") || "the only one",
 				i.kind === "mythical" && " (lasts no time, stores nothing)",
 				i.kind === "pinnacle" && " (lasts no time, writes the state)"
 			] }),
-			i.fired.map((e) => /* @__PURE__ */ B("p", {
+			i.fired.map((e) => /* @__PURE__ */ z("p", {
 				class: "fired",
 				children: [
-					/* @__PURE__ */ B("b", { children: e.machine }),
+					/* @__PURE__ */ z("b", { children: e.machine }),
 					": ",
 					e.source,
 					" → ",
 					e.target,
 					", because ",
-					/* @__PURE__ */ B("code", { children: e.why })
+					/* @__PURE__ */ z("code", { children: e.why })
 				]
 			})),
-			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ B("p", { children: [
+			Object.keys(i.impulses).length > 0 && /* @__PURE__ */ z("p", { children: [
 				"impulses",
 				i.kind === "mythical" ? " (on trial)" : "",
 				":",
 				" ",
-				Object.entries(i.impulses).map(([e, t]) => `${e} = ${xe(t, 6)} δ`).join(", ")
+				Object.entries(i.impulses).map(([e, t]) => `${e} = ${Se(t, 6)} δ`).join(", ")
 			] }),
-			i.energy && /* @__PURE__ */ B("p", { children: [
+			i.energy && /* @__PURE__ */ z("p", { children: [
 				"energy ",
 				i.energy.before,
 				" → ",
@@ -1733,13 +1740,50 @@ function Nt({ store: e, state: t, event: n }) {
 				", lost ",
 				i.energy.lost
 			] }),
-			i.undetermined.length > 0 && /* @__PURE__ */ B("p", { children: ["not determined: ", i.undetermined.join(", ")] })
+			i.undetermined.length > 0 && /* @__PURE__ */ z("p", { children: ["not determined: ", i.undetermined.join(", ")] })
 		]
 	});
 }
+// src/quick.tsx
+function It({ title: e, ask: t, placeholder: n, most: r, fitting: i, say: a, none: o, take: s, close: c }) {
+	let [l, u] = V(""), [d, f] = V(0), p = i(l), m = Math.min(p.length, r) - 1, h = () => {
+		document.querySelector(".canvas svg")?.focus(), c();
+	}, g = async (e) => {
+		await s(e, l) && h();
+	};
+	return /* @__PURE__ */ z("div", {
+		class: "quick",
+		role: "dialog",
+		"aria-label": e,
+		children: [/* @__PURE__ */ z("input", {
+			ref: (e) => e?.focus(),
+			value: l,
+			"aria-label": t,
+			placeholder: n,
+			onInput: (e) => {
+				u(e.currentTarget.value), f(0);
+			},
+			onKeyDown: (e) => {
+				let t = {
+					ArrowDown: 1,
+					ArrowUp: -1
+				}[e.key];
+				t && (f(Math.max(0, Math.min(d + t, m))), e.preventDefault()), e.key === "Enter" && g(p[Math.min(d, m)]), e.key === "Escape" && h(), e.stopPropagation();
+			}
+		}), /* @__PURE__ */ z("ul", { children: [
+			p.slice(0, r).map((e, t) => /* @__PURE__ */ z("li", {
+				class: t === d ? "chosen" : "",
+				onClick: () => void g(e),
+				children: a(e)
+			})),
+			p.length > r && /* @__PURE__ */ z("li", { children: [p.length - r, " more"] }),
+			o && l.trim() && !p.length && /* @__PURE__ */ z("li", { children: o })
+		] })]
+	});
+}
 // src/find.tsx
-var Pt = 10, Ft = (e) => e.toLowerCase().replaceAll(/[µμ]/g, "u").replaceAll(/[Ωω]/g, "ohm");
-function It(e, t) {
+var Lt = 10, Rt = (e) => e.toLowerCase().replaceAll(/[µμ]/g, "u").replaceAll(/[Ωω]/g, "ohm");
+function zt(e, t) {
 	let n = e.look?.view;
 	if (!n || !t) return [];
 	let r = (e, n) => e === t ? 0 : e.startsWith(t) ? 1 : e.includes(t) ? 2 : n.includes(t) ? 4 : 9, i = n.nodes.map((e) => {
@@ -1749,7 +1793,7 @@ function It(e, t) {
 			said: e.name,
 			about: t,
 			bond: !1,
-			rank: r(e.name.toLowerCase(), Ft(t))
+			rank: r(e.name.toLowerCase(), Rt(t))
 		};
 	}), a = n.bonds.map((e) => ({
 		key: e.key,
@@ -1760,63 +1804,40 @@ function It(e, t) {
 	}));
 	return [...i, ...a].filter((e) => e.rank < 9).sort((e, t) => e.rank - t.rank);
 }
-function Lt({ store: e, state: t }) {
-	let [n, r] = H(""), [i, a] = H(0), o = It(t, Ft(n.trim())), s = () => {
-		document.querySelector(".canvas svg")?.focus(), e.set({ finding: !1 });
-	}, c = (t) => {
-		t && (e.set({
+function Bt({ store: e, state: t }) {
+	return /* @__PURE__ */ z(It, {
+		title: "Find",
+		ask: "What to find",
+		placeholder: "a name, a kind, a value",
+		most: Lt,
+		fitting: (e) => zt(t, Rt(e.trim())),
+		say: (e) => /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("b", { children: e.said }),
+			" ",
+			e.about
+		] }),
+		none: "nothing of that name at this level",
+		take: (t) => (t && e.set({
 			nodes: new Set(t.bond ? [] : [t.key]),
 			bonds: new Set(t.bond ? [t.key] : []),
 			tab: "item"
-		}), s());
-	};
-	return /* @__PURE__ */ B("div", {
-		class: "quick",
-		role: "dialog",
-		"aria-label": "Find",
-		children: [/* @__PURE__ */ B("input", {
-			ref: (e) => e?.focus(),
-			value: n,
-			"aria-label": "What to find",
-			placeholder: "a name, a kind, a value",
-			onInput: (e) => {
-				r(e.currentTarget.value), a(0);
-			},
-			onKeyDown: (e) => {
-				let t = {
-					ArrowDown: 1,
-					ArrowUp: -1
-				}[e.key];
-				t && (a(Math.max(0, Math.min(i + t, o.length - 1, 9))), e.preventDefault()), e.key === "Enter" && c(o[i]), e.key === "Escape" && s(), e.stopPropagation();
-			}
-		}), /* @__PURE__ */ B("ul", { children: [
-			o.slice(0, Pt).map((e, t) => /* @__PURE__ */ B("li", {
-				class: t === i ? "chosen" : "",
-				onClick: () => c(e),
-				children: [
-					/* @__PURE__ */ B("b", { children: e.said }),
-					" ",
-					e.about
-				]
-			})),
-			o.length > Pt && /* @__PURE__ */ B("li", { children: [o.length - Pt, " more"] }),
-			n.trim() && !o.length && /* @__PURE__ */ B("li", { children: "nothing of that name at this level" })
-		] })]
+		}), t !== void 0),
+		close: () => e.set({ finding: !1 })
 	});
 }
 // src/formulas.tsx
-var Rt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
-function zt(e) {
+var Vt = new Set("math mrow mi mo mn mtext mspace mfrac msub msup msubsup mover munder munderover msqrt mroot mtable mtr mtd mstyle".split(" "));
+function Ht(e) {
 	if (typeof e == "string") return e;
 	let [t, n, ...r] = e, i = t === "math" ? { display: "block" } : {};
-	return v(Rt.has(t) ? t : "mrow", {
+	return v(Vt.has(t) ? t : "mrow", {
 		...n,
 		...i
-	}, ...r.map(zt));
+	}, ...r.map(Ht));
 }
-function Bt({ store: e, state: t }) {
-	let [n, r] = H("all"), [i, a] = H(!1), [o, s] = H(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
-	return yt(() => {
+function Ut({ store: e, state: t }) {
+	let [n, r] = V("all"), [i, a] = V(!1), [o, s] = V(null), c = t.look, l = t.cursor?.mode ?? Object.fromEntries(c.machines.map((e) => [e.path, e.state])), u = n === "mode" ? JSON.stringify(l) : "";
+	return H(() => {
 		let t = !1;
 		return s(null), e.transport.ask(n === "structure" ? "structure" : "equations", {
 			one: n === "mode",
@@ -1828,41 +1849,41 @@ function Bt({ store: e, state: t }) {
 		c.revision,
 		n,
 		u
-	]), /* @__PURE__ */ B("section", {
+	]), /* @__PURE__ */ z("section", {
 		class: "formulas",
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
 				children: [[
 					["all", "all modes"],
 					["mode", "the mode drawn"],
 					["structure", "structure"]
-				].map(([e, t]) => /* @__PURE__ */ B("button", {
+				].map(([e, t]) => /* @__PURE__ */ z("button", {
 					"aria-pressed": n === e,
 					onClick: () => r(e),
 					children: t
-				})), o?.formula && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
+				})), o?.formula && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 					type: "checkbox",
 					checked: i,
 					onChange: (e) => a(e.currentTarget.checked)
 				}), " as text"] })]
 			}),
-			!o && /* @__PURE__ */ B("p", {
+			!o && /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: "…"
 			}),
-			o?.formula && !i ? /* @__PURE__ */ B("div", {
+			o?.formula && !i ? /* @__PURE__ */ z("div", {
 				class: "formula",
 				tabindex: 0,
 				role: "group",
 				"aria-label": "Equations",
-				children: zt(o.formula)
-			}) : o && /* @__PURE__ */ B("pre", {
+				children: Ht(o.formula)
+			}) : o && /* @__PURE__ */ z("pre", {
 				class: "equations",
 				tabindex: 0,
 				children: o.text
 			}),
-			o?.notes?.map((e) => /* @__PURE__ */ B("p", {
+			o?.notes?.map((e) => /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: e
 			}))
@@ -1870,12 +1891,12 @@ function Bt({ store: e, state: t }) {
 	});
 }
 // src/fields.tsx
-var Vt = 0;
-function Ht(e) {
-	let [t, n] = H(e.value), [r] = H(() => `list${++Vt}`), i = bt(!1);
-	return yt(() => {
+var Wt = 0;
+function U(e) {
+	let [t, n] = V(e.value), [r] = V(() => `list${++Wt}`), i = St(!1);
+	return H(() => {
 		i.current || n(e.value);
-	}, [e.value]), /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("input", {
+	}, [e.value]), /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("input", {
 		"aria-label": e.label,
 		value: t,
 		disabled: e.disabled,
@@ -1892,20 +1913,20 @@ function Ht(e) {
 		onKeyDown: (t) => {
 			t.key === "Enter" && t.currentTarget.blur(), t.key === "Escape" && (n(e.value), i.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus())), t.stopPropagation();
 		}
-	}), e.list && /* @__PURE__ */ B("datalist", {
+	}), e.list && /* @__PURE__ */ z("datalist", {
 		id: r,
-		children: e.list.map((e) => /* @__PURE__ */ B("option", { value: e }))
+		children: e.list.map((e) => /* @__PURE__ */ z("option", { value: e }))
 	})] });
 }
-function Ut(e) {
+function Gt(e) {
 	let t = e.trim();
 	return t === "" ? null : /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(t) ? Number(t) : t;
 }
 // src/item.tsx
-var Wt = {
+var Kt = {
 	C: ["q", "e"],
 	I: ["p", "f"]
-}, Gt = {
+}, qt = {
 	diode: [],
 	thyristor: ["gate"],
 	unilateral: [
@@ -1916,86 +1937,86 @@ var Wt = {
 	coulomb: ["limit", "breakaway"],
 	relay: ["limit"]
 };
-function Kt({ store: e, state: t }) {
+function Jt({ store: e, state: t }) {
 	let n = t.look, r = n.view.nodes.filter((e) => t.nodes.has(e.name)), i = n.view.bonds.filter((e) => t.bonds.has(e.key));
-	if (r.length === 1) return /* @__PURE__ */ B(Zt, {
+	if (r.length === 1) return /* @__PURE__ */ z($t, {
 		store: e,
 		state: t,
 		node: r[0]
 	});
 	if (i.length === 1 && !r.length) {
 		let r = i[0], a = t.cursor?.values[r.key];
-		return /* @__PURE__ */ B("section", { children: [
-			/* @__PURE__ */ B("h2", { children: "Bond" }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "written" }), /* @__PURE__ */ B(Ht, {
+		return /* @__PURE__ */ z("section", { children: [
+			/* @__PURE__ */ z("h2", { children: "Bond" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "written" }), /* @__PURE__ */ z(U, {
 				label: "Bond",
 				first: !0,
 				value: r.text,
 				disabled: !n.view.editable,
-				onWrite: (n) => void qt(e, t, r.key, n)
+				onWrite: (n) => void Yt(e, t, r.key, n)
 			})] }),
-			a && /* @__PURE__ */ B("p", { children: [
+			a && /* @__PURE__ */ z("p", { children: [
 				"effort ",
-				z(a.e, a.units[0]),
+				R(a.e, a.units[0]),
 				", flow ",
-				z(a.f, a.units[1]),
+				R(a.f, a.units[1]),
 				", power",
 				" ",
-				a.e === null || a.f === null ? "—" : z(a.e * a.f, "W")
+				a.e === null || a.f === null ? "—" : R(a.e * a.f, "W")
 			] }),
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ B("button", {
+				children: [/* @__PURE__ */ z("button", {
 					onClick: () => e.reverse(),
 					children: "Turn round (r)"
-				}), /* @__PURE__ */ B("button", {
+				}), /* @__PURE__ */ z("button", {
 					onClick: () => e.remove(),
 					children: "Delete"
 				})]
 			})
 		] });
 	}
-	return r.length + i.length > 1 ? /* @__PURE__ */ B("section", { children: [/* @__PURE__ */ B("h2", { children: [
+	return r.length + i.length > 1 ? /* @__PURE__ */ z("section", { children: [/* @__PURE__ */ z("h2", { children: [
 		r.length,
 		" elements, ",
 		i.length,
 		" bonds"
-	] }), /* @__PURE__ */ B("div", {
+	] }), /* @__PURE__ */ z("div", {
 		class: "row",
 		children: [
-			/* @__PURE__ */ B("button", {
-				onClick: () => Jt(e, r, "y"),
+			/* @__PURE__ */ z("button", {
+				onClick: () => Xt(e, r, "y"),
 				children: "In a row"
 			}),
-			/* @__PURE__ */ B("button", {
-				onClick: () => Jt(e, r, "x"),
+			/* @__PURE__ */ z("button", {
+				onClick: () => Xt(e, r, "x"),
 				children: "In a column"
 			}),
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Yt(e, r, "x"),
+				onClick: () => Zt(e, r, "x"),
 				children: "Evenly across"
 			}),
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				disabled: r.length < 3,
-				onClick: () => Yt(e, r, "y"),
+				onClick: () => Zt(e, r, "y"),
 				children: "Evenly down"
 			}),
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => void e.duplicate(),
 				children: "Duplicate"
 			}),
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => e.remove(),
 				children: "Delete"
 			})
 		]
-	})] }) : /* @__PURE__ */ B(Xt, {
+	})] }) : /* @__PURE__ */ z(Qt, {
 		store: e,
 		state: t
 	});
 }
-async function qt(e, t, n, r) {
+async function Yt(e, t, n, r) {
 	let [i] = n.split(".").map(Number);
 	t.look.view.bonds.filter((e) => e.key.startsWith(`${i}.`)).length === 1 ? await e.edit({
 		do: "write bond",
@@ -2010,14 +2031,14 @@ async function qt(e, t, n, r) {
 		text: r
 	}));
 }
-function Jt(e, t, n) {
+function Xt(e, t, n) {
 	let r = t.reduce((e, t) => e + t[n], 0) / t.length, i = Math.round(r * 4) / 4, a = Object.fromEntries(t.map((e) => [e.name, n === "y" ? [e.x, i] : [i, e.y]]));
 	e.edit({
 		do: "move",
 		at: a
 	});
 }
-function Yt(e, t, n) {
+function Zt(e, t, n) {
 	let r = [...t].sort((e, t) => e[n] - t[n]), [i, a] = [r[0][n], r[r.length - 1][n]], o = Object.fromEntries(r.map((e, t) => {
 		let o = i + (a - i) * t / (r.length - 1);
 		return [e.name, n === "x" ? [o, e.y] : [e.x, o]];
@@ -2027,26 +2048,26 @@ function Yt(e, t, n) {
 		at: o
 	});
 }
-function Xt({ store: e, state: t }) {
+function Qt({ store: e, state: t }) {
 	let n = t.look, r = t.stock?.domains ?? [], i = (t, n) => void e.edit({
 		do: "set",
 		path: t,
 		value: n
 	});
-	return /* @__PURE__ */ B("section", { children: [
-		/* @__PURE__ */ B("h2", { children: "Model" }),
-		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "title" }), /* @__PURE__ */ B(Ht, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Model" }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "title" }), /* @__PURE__ */ z(U, {
 			label: "Title",
 			first: !0,
 			value: n.title,
 			disabled: !n.view.editable,
 			onWrite: (e) => i(["title"], e)
 		})] }),
-		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "domain" }), /* @__PURE__ */ B("select", {
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "domain" }), /* @__PURE__ */ z("select", {
 			disabled: !n.view.editable,
 			value: n.view.domain,
 			onChange: (e) => i(["domain"], e.currentTarget.value),
-			children: r.map((e) => /* @__PURE__ */ B("option", {
+			children: r.map((e) => /* @__PURE__ */ z("option", {
 				value: e.name,
 				children: [
 					e.name,
@@ -2055,23 +2076,23 @@ function Xt({ store: e, state: t }) {
 				]
 			}))
 		})] }),
-		/* @__PURE__ */ B("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"Put elements down from the palette, or press ",
-				/* @__PURE__ */ B("kbd", { children: "a" }),
+				/* @__PURE__ */ z("kbd", { children: "a" }),
 				" and write ",
-				/* @__PURE__ */ B("code", { children: "R load 10 ohm" }),
+				/* @__PURE__ */ z("code", { children: "R load 10 ohm" }),
 				". Drag from the handle of a selected element to bond it, or press ",
-				/* @__PURE__ */ B("kbd", { children: "b" }),
+				/* @__PURE__ */ z("kbd", { children: "b" }),
 				". Strokes follow each edit. ",
-				/* @__PURE__ */ B("kbd", { children: "/" }),
+				/* @__PURE__ */ z("kbd", { children: "/" }),
 				" finds a name."
 			]
 		})
 	] });
 }
-function Zt({ store: e, state: t, node: n }) {
+function $t({ store: e, state: t, node: n }) {
 	let r = !t.look.view.editable, i = n.entry, a = (t, r) => void e.edit({
 		do: "set",
 		path: [
@@ -2085,66 +2106,66 @@ function Zt({ store: e, state: t, node: n }) {
 		old: n.name,
 		new: t.trim()
 	}).then((n) => n && e.set({ nodes: /* @__PURE__ */ new Set([t.trim()]) })), s = n.kind === "0" || n.kind === "1", c = t.stock?.parts.find((e) => e.name === i.submodel);
-	return /* @__PURE__ */ B("section", { children: [
-		/* @__PURE__ */ B("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
-		/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "name" }), /* @__PURE__ */ B(Ht, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: n.kind === "part" ? String(i.submodel) : t.stock?.kinds.find((e) => e.kind === n.kind)?.about ?? n.kind }),
+		/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "name" }), /* @__PURE__ */ z(U, {
 			label: "Name",
 			first: s || n.kind === "part",
 			value: n.name,
 			disabled: r,
 			onWrite: o
 		})] }),
-		!s && n.kind !== "part" && /* @__PURE__ */ B(Qt, {
+		!s && n.kind !== "part" && /* @__PURE__ */ z(en, {
 			node: n,
 			off: r,
 			set: a
 		}),
-		Wt[n.kind]?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: ["start ", e] }), /* @__PURE__ */ B(Ht, {
+		Kt[n.kind]?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: ["start ", e] }), /* @__PURE__ */ z(U, {
 			label: `Start value ${e}`,
-			value: tn(i[e]),
+			value: rn(i[e]),
 			disabled: r,
 			placeholder: "0",
-			onWrite: (t) => a([e], Ut(t))
+			onWrite: (t) => a([e], Gt(t))
 		})] })),
-		s && /* @__PURE__ */ B(x, { children: [
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "kind" }), /* @__PURE__ */ B("select", {
+		s && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "kind" }), /* @__PURE__ */ z("select", {
 				disabled: r,
 				value: n.kind,
 				onChange: (e) => a(["junction"], Number(e.currentTarget.value)),
-				children: [/* @__PURE__ */ B("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "0",
 					children: "0, common effort"
-				}), /* @__PURE__ */ B("option", {
+				}), /* @__PURE__ */ z("option", {
 					value: "1",
 					children: "1, common flow"
 				})]
 			})] }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "law" }), /* @__PURE__ */ B("select", {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "law" }), /* @__PURE__ */ z("select", {
 				disabled: r,
-				value: tn(i.law),
+				value: rn(i.law),
 				onChange: (e) => a(["law"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ B("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "",
 					children: "none"
-				}), t.stock?.laws.map((e) => /* @__PURE__ */ B("option", {
+				}), t.stock?.laws.map((e) => /* @__PURE__ */ z("option", {
 					value: e,
 					children: e
 				}))]
 			})] }),
-			(Gt[tn(i.law)] ?? []).map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Ht, {
+			(qt[rn(i.law)] ?? []).map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(U, {
 				label: e,
-				value: tn(i[e]),
+				value: rn(i[e]),
 				disabled: r,
-				onWrite: (t) => a([e], Ut(t))
+				onWrite: (t) => a([e], Gt(t))
 			})] })),
-			/* @__PURE__ */ B($t, {
+			/* @__PURE__ */ z(tn, {
 				store: e,
 				state: t,
 				node: n
 			})
 		] }),
-		n.kind === "part" && /* @__PURE__ */ B(x, { children: [
-			c && /* @__PURE__ */ B("p", {
+		n.kind === "part" && /* @__PURE__ */ z(x, { children: [
+			c && /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: c.title
 			}),
@@ -2153,41 +2174,41 @@ function Zt({ store: e, state: t, node: n }) {
 				...i.parameters
 			}).map(([e]) => {
 				let t = i.parameters?.[e];
-				return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B(Ht, {
+				return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z(U, {
 					label: e,
-					value: tn(t),
+					value: rn(t),
 					disabled: r,
 					placeholder: c?.parameters[e],
-					onWrite: (t) => a(["parameters", e], Ut(t))
+					onWrite: (t) => a(["parameters", e], Gt(t))
 				})] });
 			}),
-			n.inputs?.map((e) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [e, " ⟵"] }), /* @__PURE__ */ B(Ht, {
+			n.inputs?.map((e) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [e, " ⟵"] }), /* @__PURE__ */ z(U, {
 				label: `Input ${e}`,
-				value: tn(i.inputs?.[e]),
+				value: rn(i.inputs?.[e]),
 				disabled: r,
 				placeholder: "an expression",
-				list: nn(t),
-				onWrite: (t) => a(["inputs", e], Ut(t))
+				list: W(t),
+				onWrite: (t) => a(["inputs", e], Gt(t))
 			})] })),
-			n.known && /* @__PURE__ */ B("button", {
+			n.known && /* @__PURE__ */ z("button", {
 				onClick: () => e.open(t.level ? `${t.level}.${n.name}` : n.name),
 				children: "Open"
 			})
 		] }),
-		/* @__PURE__ */ B("div", {
+		/* @__PURE__ */ z("div", {
 			class: "row",
 			children: [
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => e.set({ bondFrom: n.name }),
 					children: "Bond (b)"
 				}),
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => void e.duplicate(),
 					children: "Duplicate"
 				}),
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: r,
 					onClick: () => e.remove(),
 					children: "Delete"
@@ -2196,11 +2217,11 @@ function Zt({ store: e, state: t, node: n }) {
 		})
 	] });
 }
-function Qt({ node: e, off: t, set: n }) {
+function en({ node: e, off: t, set: n }) {
 	let r = e.entry[e.kind];
 	if (typeof r == "object" && r && !Array.isArray(r)) {
 		let [i, a] = Object.entries(r)[0] ?? ["e", ""];
-		if (typeof a == "string") return /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: [i, " ="] }), /* @__PURE__ */ B(Ht, {
+		if (typeof a == "string") return /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: [i, " ="] }), /* @__PURE__ */ z(U, {
 			label: `Law, ${i} =`,
 			first: !0,
 			value: a,
@@ -2208,31 +2229,31 @@ function Qt({ node: e, off: t, set: n }) {
 			onWrite: (t) => n([e.kind, i], t)
 		})] });
 	}
-	return typeof r == "object" && r ? /* @__PURE__ */ B("p", {
+	return typeof r == "object" && r ? /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "A field or a table: edit it in the text."
-	}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "value" }), /* @__PURE__ */ B(Ht, {
+	}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "value" }), /* @__PURE__ */ z(U, {
 		label: "Value",
 		first: !0,
-		value: tn(r),
+		value: rn(r),
 		disabled: t,
 		onWrite: (t) => {
 			let r = /^\s*([ef])\s*=\s*(.+)$/.exec(t);
-			n([e.kind], r ? { [r[1]]: r[2] } : Ut(t) ?? 1);
+			n([e.kind], r ? { [r[1]]: r[2] } : Gt(t) ?? 1);
 		}
 	})] });
 }
-function $t({ store: e, state: t, node: n }) {
+function tn({ store: e, state: t, node: n }) {
 	let r = t.look;
-	return n.machine ? /* @__PURE__ */ B("p", { children: ["switched by ", /* @__PURE__ */ B("button", {
+	return n.machine ? /* @__PURE__ */ z("p", { children: ["switched by ", /* @__PURE__ */ z("button", {
 		class: "link",
 		onClick: () => e.set({ tab: "machines" }),
 		children: n.machine
-	})] }) : n.law ? null : /* @__PURE__ */ B("button", {
+	})] }) : n.law ? null : /* @__PURE__ */ z("button", {
 		disabled: !r.view.editable,
 		onClick: () => void e.edit({
 			do: "set",
-			path: ["machines", en(Object.keys(r.panels.machines), `${n.name}_switch`)],
+			path: ["machines", nn(Object.keys(r.panels.machines), `${n.name}_switch`)],
 			value: {
 				states: {
 					on: [n.name],
@@ -2245,14 +2266,14 @@ function $t({ store: e, state: t, node: n }) {
 		children: "Let a state machine switch it"
 	});
 }
-function en(e, t) {
+function nn(e, t) {
 	if (!e.includes(t)) return t;
 	for (let n = 2;; n++) if (!e.includes(`${t}${n}`)) return `${t}${n}`;
 }
-function tn(e) {
+function rn(e) {
 	return e == null ? "" : typeof e == "object" ? JSON.stringify(e) : String(e);
 }
-function nn(e) {
+function W(e) {
 	let t = e.look;
 	if (!t) return [];
 	let n = ["time"];
@@ -2260,10 +2281,10 @@ function nn(e) {
 	return n.push(...Object.keys(t.panels.machines).map((e) => `${e}.state`), ...e.run?.names ?? []), n.push("pre", "abs", "min", "max", "sqrt", "sin", "cos", "exp", "and", "or", "not"), n.push(...t.view.signals.map((e) => e.name), ...Object.keys(t.panels.parameters)), [...new Set(n)];
 }
 // src/expression.tsx
-var rn = 250, an = /[A-Za-z_][\w.]*$/, U = 0;
-function W(e) {
-	let [t, n] = H(e.value), [r, i] = H([]), [a, o] = H(-1), [s, c] = H(null), [l] = H(() => `words${++U}`), u = bt(null), d = bt(!1), f = bt(0);
-	yt(() => {
+var G = 250, an = /[A-Za-z_][\w.]*$/, on = 0;
+function sn(e) {
+	let [t, n] = V(e.value), [r, i] = V([]), [a, o] = V(-1), [s, c] = V(null), [l] = V(() => `words${++on}`), u = St(null), d = St(!1), f = St(0);
+	H(() => {
 		d.current || n(e.value), c(null);
 	}, [e.value]);
 	let p = () => {
@@ -2276,7 +2297,7 @@ function W(e) {
 		let l = ++f.current;
 		setTimeout(() => {
 			l === f.current && e.check(t).then((e) => l === f.current && c(e)).catch(() => {});
-		}, rn);
+		}, G);
 	}, h = (e) => {
 		let t = u.current, n = t.selectionStart ?? t.value.length, r = t.value.slice(0, n).replace(an, e);
 		t.value = r + t.value.slice(n), t.setSelectionRange(r.length, r.length), p(), m(), i([]), t.focus();
@@ -2296,10 +2317,10 @@ function W(e) {
 			n(e.value), c(null), d.current = !1, requestAnimationFrame(() => document.querySelector(".canvas svg")?.focus());
 		}
 	}, v = s ?? (t === e.value ? e.told ?? null : null);
-	return /* @__PURE__ */ B("span", {
+	return /* @__PURE__ */ z("span", {
 		class: "expression",
 		children: [
-			/* @__PURE__ */ B("input", {
+			/* @__PURE__ */ z("input", {
 				ref: u,
 				"aria-label": e.label,
 				value: t,
@@ -2319,11 +2340,11 @@ function W(e) {
 				onBlur: g,
 				onKeyDown: _
 			}),
-			r.length > 0 && /* @__PURE__ */ B("ul", {
+			r.length > 0 && /* @__PURE__ */ z("ul", {
 				id: l,
 				role: "listbox",
 				"aria-label": "Names",
-				children: r.map((e, t) => /* @__PURE__ */ B("li", {
+				children: r.map((e, t) => /* @__PURE__ */ z("li", {
 					id: `${l}-${t}`,
 					role: "option",
 					"aria-selected": t === a,
@@ -2333,21 +2354,21 @@ function W(e) {
 					children: e
 				}))
 			}),
-			v && /* @__PURE__ */ B("small", {
+			v && /* @__PURE__ */ z("small", {
 				class: "wrong",
 				id: `${l}-wrong`,
 				role: "status",
 				children: [
 					v.why,
 					" ",
-					v.try && /* @__PURE__ */ B("em", { children: v.try })
+					v.try && /* @__PURE__ */ z("em", { children: v.try })
 				]
 			})
 		]
 	});
 }
 // src/machines.tsx
-function on(e) {
+function cn(e) {
 	let t = /^\s*(\w+)\s*->\s*(\w+)\s+when\s+(.+)$/s.exec(e);
 	return t ? {
 		source: t[1],
@@ -2355,19 +2376,19 @@ function on(e) {
 		guard: t[3]
 	} : null;
 }
-function sn({ store: e, state: t }) {
+function K({ store: e, state: t }) {
 	let n = t.look, r = Object.entries(n.panels.machines);
-	return /* @__PURE__ */ B("section", { children: [
-		/* @__PURE__ */ B("h2", { children: "State machines" }),
-		r.map(([n, r]) => /* @__PURE__ */ B(cn, {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "State machines" }),
+		r.map(([n, r]) => /* @__PURE__ */ z(ln, {
 			store: e,
 			state: t,
 			name: n,
 			machine: r
 		}, n)),
-		n.view.editable && /* @__PURE__ */ B("button", {
+		n.view.editable && /* @__PURE__ */ z("button", {
 			onClick: () => {
-				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = en([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
+				let i = n.view.nodes.find((e) => t.nodes.has(e.name) && (e.kind === "0" || e.kind === "1")), a = nn([...r.map(([e]) => e), ...n.view.nodes.map((e) => e.name)], "S");
 				e.edit({
 					do: "set",
 					path: ["machines", a],
@@ -2383,23 +2404,23 @@ function sn({ store: e, state: t }) {
 			},
 			children: "New machine"
 		}),
-		/* @__PURE__ */ B("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"In guards ",
-				/* @__PURE__ */ B("code", { children: "pre(x)" }),
+				/* @__PURE__ */ z("code", { children: "pre(x)" }),
 				" is the value before the instant (a priori ",
-				/* @__PURE__ */ B("b", { children: "x⁻" }),
+				/* @__PURE__ */ z("b", { children: "x⁻" }),
 				"), ",
-				/* @__PURE__ */ B("code", { children: "x" }),
+				/* @__PURE__ */ z("code", { children: "x" }),
 				" the one that holds after it (a posteriori ",
-				/* @__PURE__ */ B("b", { children: "x⁺" }),
+				/* @__PURE__ */ z("b", { children: "x⁺" }),
 				")."
 			]
 		})
 	] });
 }
-function cn({ store: e, state: t, name: n, machine: r }) {
+function ln({ store: e, state: t, name: n, machine: r }) {
 	let i = t.look, a = !i.view.editable, o = t.level ? `${t.level}.${n}` : n, s = t.cursor?.mode[o] ?? i.machines.find((e) => e.path === o)?.state, c = Object.keys(r.states ?? {}), l = r.rules ?? [], u = (t) => void e.edit({
 		do: "set",
 		path: ["machines", n],
@@ -2419,13 +2440,13 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 		}, { problem: c } = await e.transport.ask("attempt", { edit: s });
 		return c?.where.includes(n) ? c : null;
 	}, p = i.view.nodes.filter((e) => e.kind !== "part" && e.kind !== "?").map((e) => e.name);
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "machine",
 		"data-machine": n,
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ B(Ht, {
+				children: [/* @__PURE__ */ z(U, {
 					label: `Name of machine ${n}`,
 					value: n,
 					disabled: a,
@@ -2434,7 +2455,7 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 						old: n,
 						new: t.trim()
 					})
-				}), !a && /* @__PURE__ */ B("button", {
+				}), !a && /* @__PURE__ */ z("button", {
 					class: "small",
 					"aria-label": `Delete machine ${n}`,
 					onClick: () => void e.edit({
@@ -2445,15 +2466,15 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 					children: "✕"
 				})]
 			}),
-			/* @__PURE__ */ B(ln, {
+			/* @__PURE__ */ z(un, {
 				machine: r,
 				now: s,
 				onState: (t) => e.setMode(o, t)
 			}),
-			c.map((t) => /* @__PURE__ */ B("div", {
+			c.map((t) => /* @__PURE__ */ z("div", {
 				class: "row state",
 				children: [
-					/* @__PURE__ */ B("input", {
+					/* @__PURE__ */ z("input", {
 						type: "radio",
 						name: `start-${n}`,
 						"aria-label": `${n} starts in ${t}`,
@@ -2465,7 +2486,7 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 							start: t
 						})
 					}),
-					/* @__PURE__ */ B(Ht, {
+					/* @__PURE__ */ z(U, {
 						label: `State ${t} of ${n}`,
 						value: t,
 						disabled: a,
@@ -2487,11 +2508,11 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 							});
 						}
 					}),
-					/* @__PURE__ */ B("span", {
+					/* @__PURE__ */ z("span", {
 						class: "on",
 						children: "ON"
 					}),
-					/* @__PURE__ */ B(Ht, {
+					/* @__PURE__ */ z(U, {
 						label: `Junctions that state ${t} of ${n} switches on`,
 						value: (r.states[t] ?? []).join(", "),
 						disabled: a,
@@ -2508,44 +2529,44 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 				]
 			})),
 			l.map((e, r) => {
-				let i = on(e), o = i && /\bpre\s*\(/.test(i.guard);
-				return /* @__PURE__ */ B("div", {
+				let i = cn(e), o = i && /\bpre\s*\(/.test(i.guard);
+				return /* @__PURE__ */ z("div", {
 					class: "row rule",
-					children: [i ? /* @__PURE__ */ B(x, { children: [
-						/* @__PURE__ */ B("select", {
+					children: [i ? /* @__PURE__ */ z(x, { children: [
+						/* @__PURE__ */ z("select", {
 							disabled: a,
 							"aria-label": "From",
 							value: i.source,
 							onChange: (e) => d(r, `${e.currentTarget.value} -> ${i.target} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ B("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
 						"→",
-						/* @__PURE__ */ B("select", {
+						/* @__PURE__ */ z("select", {
 							disabled: a,
 							"aria-label": "To",
 							value: i.target,
 							onChange: (e) => d(r, `${i.source} -> ${e.currentTarget.value} when ${i.guard}`),
-							children: c.map((e) => /* @__PURE__ */ B("option", { children: e }))
+							children: c.map((e) => /* @__PURE__ */ z("option", { children: e }))
 						}),
-						/* @__PURE__ */ B(W, {
+						/* @__PURE__ */ z(sn, {
 							label: `Guard ${r + 1} of ${n}`,
 							value: i.guard,
 							disabled: a,
-							words: nn(t),
+							words: W(t),
 							check: (e) => f(r, `${i.source} -> ${i.target} when ${e}`),
 							onWrite: (e) => d(r, `${i.source} -> ${i.target} when ${e}`)
 						}),
-						/* @__PURE__ */ B("span", {
+						/* @__PURE__ */ z("span", {
 							class: "reads " + (o ? "prior" : "after"),
 							title: o ? "reads a priori values, x⁻" : "reads a posteriori values, x⁺",
 							children: o ? "x⁻" : "x⁺"
 						})
-					] }) : /* @__PURE__ */ B(Ht, {
+					] }) : /* @__PURE__ */ z(U, {
 						label: `Rule ${r + 1} of ${n}`,
 						value: e,
 						disabled: a,
 						onWrite: (e) => d(r, e)
-					}), !a && /* @__PURE__ */ B("button", {
+					}), !a && /* @__PURE__ */ z("button", {
 						class: "small",
 						"aria-label": `Delete rule ${r + 1} of ${n}`,
 						onClick: () => d(r, null),
@@ -2553,21 +2574,21 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 					})]
 				});
 			}),
-			!a && /* @__PURE__ */ B("div", {
+			!a && /* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ B("button", {
+				children: [/* @__PURE__ */ z("button", {
 					onClick: () => u({
 						...r,
 						states: {
 							...r.states,
-							[en(c, "state")]: []
+							[nn(c, "state")]: []
 						}
 					}),
 					children: "Add state"
-				}), /* @__PURE__ */ B("button", {
+				}), /* @__PURE__ */ z("button", {
 					disabled: c.length < 2,
 					onClick: () => {
-						let e = c.find((e) => !l.some((t) => on(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
+						let e = c.find((e) => !l.some((t) => cn(t)?.source === e)) ?? c[0], t = c.find((t) => t !== e);
 						u({
 							...r,
 							rules: [...l, `${e} -> ${t} when time >= 1`]
@@ -2579,18 +2600,18 @@ function cn({ store: e, state: t, name: n, machine: r }) {
 		]
 	});
 }
-function ln({ machine: e, now: t, onState: n }) {
-	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(on).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
-	return /* @__PURE__ */ B("div", {
+function un({ machine: e, now: t, onState: n }) {
+	let r = Object.keys(e.states ?? {}), i = (e) => 46 + 108 * r.indexOf(e), a = (e.rules ?? []).map(cn).filter((e) => !!e && r.includes(e.source) && r.includes(e.target)), o = /* @__PURE__ */ new Map(), s = 26 + 16 * Math.max(1, ...a.map((e) => Math.abs(r.indexOf(e.target) - r.indexOf(e.source))));
+	return /* @__PURE__ */ z("div", {
 		class: "diagram",
-		children: /* @__PURE__ */ B("svg", {
+		children: /* @__PURE__ */ z("svg", {
 			width: 46 + 108 * r.length,
 			height: 2 * s + 10,
 			viewBox: `0 ${-s} ${46 + 108 * r.length} ${2 * s + 10}`,
 			role: "group",
 			"aria-label": "States and rules",
 			children: [
-				/* @__PURE__ */ B("defs", { children: /* @__PURE__ */ B("marker", {
+				/* @__PURE__ */ z("defs", { children: /* @__PURE__ */ z("marker", {
 					id: "rulehead",
 					viewBox: "0 0 8 8",
 					refX: 7,
@@ -2598,26 +2619,26 @@ function ln({ machine: e, now: t, onState: n }) {
 					markerWidth: 7,
 					markerHeight: 7,
 					orient: "auto",
-					children: /* @__PURE__ */ B("path", {
+					children: /* @__PURE__ */ z("path", {
 						d: "M0,1L8,4L0,7z",
 						class: "rulehead"
 					})
 				}) }),
 				a.map((e) => {
 					let [t, n] = [i(e.source), i(e.target)], r = `${e.source}>${e.target}`, a = o.get(r) ?? 0;
-					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ B("path", {
+					if (o.set(r, a + 1), t === n) return /* @__PURE__ */ z("path", {
 						class: "arc",
 						d: `M${t - 8},-14 C${t - 26},-44 ${t + 26},-44 ${t + 8},-14`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ B("title", { children: e.guard })
+						children: /* @__PURE__ */ z("title", { children: e.guard })
 					});
 					let s = n > t ? -1 : 1, c = s * (22 + 14 * Math.abs(n - t) / 108 + 9 * a), l = e.guard.length > 26 ? e.guard.slice(0, 25) + "…" : e.guard;
-					return /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("path", {
+					return /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("path", {
 						class: "arc",
 						d: `M${t},${14 * s} C${t},${c} ${n},${c} ${n},${14 * s}`,
 						"marker-end": "url(#rulehead)",
-						children: /* @__PURE__ */ B("title", { children: e.guard })
-					}), /* @__PURE__ */ B("text", {
+						children: /* @__PURE__ */ z("title", { children: e.guard })
+					}), /* @__PURE__ */ z("text", {
 						class: "guard",
 						x: (t + n) / 2,
 						y: .78 * c + (s < 0 ? -3 : 10),
@@ -2625,7 +2646,7 @@ function ln({ machine: e, now: t, onState: n }) {
 						children: l
 					})] });
 				}),
-				r.map((r) => /* @__PURE__ */ B("g", {
+				r.map((r) => /* @__PURE__ */ z("g", {
 					class: "statebox" + (r === t ? " now" : "") + (r === e.start ? " start" : ""),
 					role: "button",
 					tabindex: 0,
@@ -2634,20 +2655,20 @@ function ln({ machine: e, now: t, onState: n }) {
 					onClick: () => n(r),
 					onKeyDown: (e) => (e.key === "Enter" || e.key === " ") && n(r),
 					children: [
-						/* @__PURE__ */ B("rect", {
+						/* @__PURE__ */ z("rect", {
 							x: i(r) - 38,
 							y: -14,
 							width: 76,
 							height: 28,
 							rx: 8
 						}),
-						/* @__PURE__ */ B("text", {
+						/* @__PURE__ */ z("text", {
 							x: i(r),
 							y: 4,
 							"text-anchor": "middle",
 							children: r.length > 11 ? r.slice(0, 10) + "…" : r
 						}),
-						r === e.start && /* @__PURE__ */ B("circle", {
+						r === e.start && /* @__PURE__ */ z("circle", {
 							cx: i(r) - 38,
 							cy: -14,
 							r: 4
@@ -2659,7 +2680,7 @@ function ln({ machine: e, now: t, onState: n }) {
 	});
 }
 // src/sweeps.tsx
-var [G, un] = [720, 190], dn = 74, [fn, pn] = [8, 20], mn = [
+var [dn, fn] = [720, 190], pn = 74, [mn, hn] = [8, 20], gn = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -2669,35 +2690,35 @@ var [G, un] = [720, 190], dn = 74, [fn, pn] = [8, 20], mn = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function hn(e) {
+function _n(e) {
 	return `color-mix(in oklab, var(--c5) ${Math.round(100 * e)}%, var(--c1))`;
 }
-function gn({ store: e, state: t }) {
-	let n = t.sweep, [r, i] = H(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
-	return /* @__PURE__ */ B("div", {
+function vn({ store: e, state: t }) {
+	let n = t.sweep, [r, i] = V(null), a = n.members.filter((e) => e), o = a.length ? (a.find((e) => e.curves)?.curves ?? []).map((e) => e.name) : [], s = a.filter((e) => e.error), c = a.find((e) => e.until !== void 0)?.until ?? 1;
+	return /* @__PURE__ */ z("div", {
 		class: "plots sweep",
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ B("b", { children: n.path }),
+					/* @__PURE__ */ z("b", { children: n.path }),
 					" from ",
 					n.values[0],
 					" to ",
 					n.values[n.values.length - 1],
-					/* @__PURE__ */ B("span", {
+					/* @__PURE__ */ z("span", {
 						class: "scale",
 						"aria-hidden": "true"
 					}),
-					/* @__PURE__ */ B("span", {
+					/* @__PURE__ */ z("span", {
 						role: "status",
 						children: [n.done ? `${a.length} runs${a.length < n.values.length ? ", cancelled" : ""}` : `${a.length} of ${n.values.length}`, s.length > 0 && `, ${s.length} stopped: ${s[0].error.code}`]
 					}),
-					!n.done && /* @__PURE__ */ B("button", {
+					!n.done && /* @__PURE__ */ z("button", {
 						onClick: e.cancel,
 						children: "Cancel"
 					}),
-					/* @__PURE__ */ B("input", {
+					/* @__PURE__ */ z("input", {
 						type: "range",
 						"aria-label": `Run of the sweep over ${n.path}`,
 						min: 0,
@@ -2706,11 +2727,11 @@ function gn({ store: e, state: t }) {
 						value: r ?? 0,
 						onInput: (e) => i(Number(e.currentTarget.value))
 					}),
-					r !== null && /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("output", { children: [
+					r !== null && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("output", { children: [
 						n.path,
 						" = ",
 						n.values[r]
-					] }), !n.path.includes(".") && /* @__PURE__ */ B("button", {
+					] }), !n.path.includes(".") && /* @__PURE__ */ z("button", {
 						onClick: () => {
 							let t = n.values[r];
 							n.path.split(".").length === 1 && e.edit({
@@ -2722,20 +2743,20 @@ function gn({ store: e, state: t }) {
 						},
 						children: "Take this value"
 					})] }),
-					/* @__PURE__ */ B("button", {
+					/* @__PURE__ */ z("button", {
 						onClick: () => e.set({ sweep: null }),
 						children: "Close"
 					})
 				]
 			}),
-			o.map((e, t) => /* @__PURE__ */ B(_n, {
+			o.map((e, t) => /* @__PURE__ */ z(yn, {
 				name: e,
 				curves: n.members.map((e) => e?.curves?.[t]),
 				end: c,
 				chosen: r,
 				choose: i
 			}, e)),
-			/* @__PURE__ */ B(vn, {
+			/* @__PURE__ */ z(bn, {
 				sweep: n,
 				end: c,
 				chosen: r,
@@ -2744,10 +2765,10 @@ function gn({ store: e, state: t }) {
 		]
 	});
 }
-function _n({ name: e, curves: t, end: n, chosen: r, choose: i }) {
+function yn({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 	let a = t.filter((e) => !!e && !e.error), [o, s] = [Infinity, -Infinity];
 	for (let e of a) for (let t of e.y) t !== null && ([o, s] = [Math.min(o, t), Math.max(s, t)]);
-	if (!a.length || o > s) return /* @__PURE__ */ B("p", {
+	if (!a.length || o > s) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: [
 			e,
@@ -2755,79 +2776,79 @@ function _n({ name: e, curves: t, end: n, chosen: r, choose: i }) {
 			t.find((e) => e?.error)?.error?.why ?? "no values yet"
 		]
 	});
-	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => dn + e / n * (G - dn - 8), d = (e) => un - pn - (e - o) / l * (un - pn - fn), f = (e) => {
+	let c = a[0].unit, l = s - o || Math.abs(s) || 1, u = (e) => pn + e / n * (dn - pn - 8), d = (e) => fn - hn - (e - o) / l * (fn - hn - mn), f = (e) => {
 		let t = "", n = "M";
 		return e.t.forEach((r, i) => {
 			let a = e.y[i];
 			a === null ? n = "M" : (t += `${n}${u(r).toFixed(1)},${d(a).toFixed(1)}`, n = "L");
 		}), t;
 	}, p = t.map((e, t) => t).filter((e) => e !== r);
-	return r !== null && p.push(r), /* @__PURE__ */ B("svg", {
+	return r !== null && p.push(r), /* @__PURE__ */ z("svg", {
 		class: "family",
-		viewBox: `0 0 ${G} ${un}`,
+		viewBox: `0 0 ${dn} ${fn}`,
 		role: "img",
-		"aria-label": `${e} of ${a.length} runs, between ${xe(o)} and ${xe(s)} ${c}`,
+		"aria-label": `${e} of ${a.length} runs, between ${Se(o)} and ${Se(s)} ${c}`,
 		children: [
-			/* @__PURE__ */ B("rect", {
+			/* @__PURE__ */ z("rect", {
 				class: "box",
-				x: dn,
-				y: fn,
-				width: G - dn - 8,
-				height: un - pn - fn
+				x: pn,
+				y: mn,
+				width: dn - pn - 8,
+				height: fn - hn - mn
 			}),
-			o < 0 && s > 0 && /* @__PURE__ */ B("line", {
+			o < 0 && s > 0 && /* @__PURE__ */ z("line", {
 				class: "axis",
-				x1: dn,
-				x2: G - 8,
+				x1: pn,
+				x2: dn - 8,
 				y1: d(0),
 				y2: d(0)
 			}),
 			p.map((e) => {
 				let n = t[e];
-				return !n || n.error ? null : /* @__PURE__ */ B("path", {
+				return !n || n.error ? null : /* @__PURE__ */ z("path", {
 					class: e === r ? "way chosen" : "way",
 					d: f(n),
-					style: `stroke: ${hn(e / Math.max(1, t.length - 1))}`,
+					style: `stroke: ${_n(e / Math.max(1, t.length - 1))}`,
 					onClick: () => i(e),
-					children: /* @__PURE__ */ B("title", { children: ["run ", e + 1] })
+					children: /* @__PURE__ */ z("title", { children: ["run ", e + 1] })
 				}, e);
 			}),
-			/* @__PURE__ */ B("text", {
+			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: fn + 9,
+				y: mn + 9,
 				"text-anchor": "end",
-				children: z(s, c)
+				children: R(s, c)
 			}),
-			/* @__PURE__ */ B("text", {
+			/* @__PURE__ */ z("text", {
 				x: 69,
-				y: un - pn,
+				y: fn - hn,
 				"text-anchor": "end",
-				children: z(o, c)
+				children: R(o, c)
 			}),
-			/* @__PURE__ */ B("text", {
+			/* @__PURE__ */ z("text", {
 				class: "what",
-				transform: `translate(12,${(un - pn) / 2}) rotate(-90)`,
+				transform: `translate(12,${(fn - hn) / 2}) rotate(-90)`,
 				"text-anchor": "middle",
 				children: e
 			}),
-			/* @__PURE__ */ B("text", {
-				x: dn,
-				y: un - 5,
+			/* @__PURE__ */ z("text", {
+				x: pn,
+				y: fn - 5,
 				children: "0 s"
 			}),
-			/* @__PURE__ */ B("text", {
-				x: G - 8,
-				y: un - 5,
+			/* @__PURE__ */ z("text", {
+				x: dn - 8,
+				y: fn - 5,
 				"text-anchor": "end",
-				children: z(n, "s")
+				children: R(n, "s")
 			})
 		]
 	});
 }
-function vn({ sweep: e, end: t, chosen: n, choose: r }) {
+function bn({ sweep: e, end: t, chosen: n, choose: r }) {
 	let i = [...e.members].reverse().find((e) => e?.named)?.named ?? [];
 	if (i.length < 2) return null;
-	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (G - dn - 8) / e.values.length, s = (e) => {
+	let a = Math.max(...e.members.map((e) => e?.modes?.length ?? 0)), o = (dn - pn - 8) / e.values.length, s = (e) => {
 		let t = [];
 		return e.forEach((e, n) => {
 			let r = t[t.length - 1];
@@ -2838,65 +2859,65 @@ function vn({ sweep: e, end: t, chosen: n, choose: r }) {
 			]);
 		}), t;
 	};
-	return /* @__PURE__ */ B("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "modemap",
-		children: [/* @__PURE__ */ B("svg", {
-			viewBox: `0 0 ${G} 184`,
+		children: [/* @__PURE__ */ z("svg", {
+			viewBox: `0 0 ${dn} 184`,
 			role: "img",
 			"aria-label": `Modes over ${e.path} and time: ${i.join("; ")}`,
 			children: [
-				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ B("g", {
+				e.members.map((t, c) => t?.modes ? /* @__PURE__ */ z("g", {
 					class: c === n ? "chosen" : "",
 					onClick: () => r(c),
-					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ B("rect", {
-						x: dn + c * o,
+					children: s(t.modes).map(([t, n, r]) => /* @__PURE__ */ z("rect", {
+						x: pn + c * o,
 						width: o + .4,
-						y: fn + 150 * (1 - n / a),
+						y: mn + 150 * (1 - n / a),
 						height: 150 * (n - t) / a + .4,
-						fill: mn[r % mn.length],
-						children: /* @__PURE__ */ B("title", { children: `${e.values[c]}: ${i[r]}` })
+						fill: gn[r % gn.length],
+						children: /* @__PURE__ */ z("title", { children: `${e.values[c]}: ${i[r]}` })
 					}))
 				}) : null),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: fn + 9,
+					y: mn + 9,
 					"text-anchor": "end",
-					children: z(t, "s")
+					children: R(t, "s")
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					x: 69,
-					y: fn + 150,
+					y: mn + 150,
 					"text-anchor": "end",
 					children: "0 s"
 				}),
-				/* @__PURE__ */ B("text", {
-					x: dn,
-					y: fn + 150 + 14,
+				/* @__PURE__ */ z("text", {
+					x: pn,
+					y: mn + 150 + 14,
 					children: e.values[0]
 				}),
-				/* @__PURE__ */ B("text", {
-					x: G - 8,
-					y: fn + 150 + 14,
+				/* @__PURE__ */ z("text", {
+					x: dn - 8,
+					y: mn + 150 + 14,
 					"text-anchor": "end",
 					children: e.values[e.values.length - 1]
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					class: "what",
-					x: (dn + G) / 2,
-					y: fn + 150 + 18,
+					x: (pn + dn) / 2,
+					y: mn + 150 + 18,
 					"text-anchor": "middle",
 					children: e.path
 				})
 			]
-		}), /* @__PURE__ */ B("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ B("span", { children: [
-			/* @__PURE__ */ B("i", { style: `background: ${mn[t % mn.length]}` }),
+		}), /* @__PURE__ */ z("figcaption", { children: [i.slice(0, 16).map((e, t) => /* @__PURE__ */ z("span", { children: [
+			/* @__PURE__ */ z("i", { style: `background: ${gn[t % gn.length]}` }),
 			" ",
 			e
 		] })), i.length > 16 && ` and ${i.length - 16} more`] })]
 	});
 }
-function yn({ store: e, path: t, low: n, high: r, onDone: i }) {
-	let [a, o] = H(n), [s, c] = H(r), [l, u] = H("15"), [d, f] = H(!1), p = (n) => {
+function xn({ store: e, path: t, low: n, high: r, onDone: i }) {
+	let [a, o] = V(n), [s, c] = V(r), [l, u] = V("15"), [d, f] = V(!1), p = (n) => {
 		n.preventDefault(), e.sweep({
 			path: t,
 			from: a,
@@ -2904,25 +2925,25 @@ function yn({ store: e, path: t, low: n, high: r, onDone: i }) {
 			count: l,
 			log: d
 		}).then((e) => e && i());
-	}, m = (e, n, r) => /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: e }), /* @__PURE__ */ B("input", {
+	}, m = (e, n, r) => /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: e }), /* @__PURE__ */ z("input", {
 		"aria-label": `Sweep ${t} ${e}`,
 		value: n,
 		onInput: (e) => r(e.currentTarget.value),
 		onKeyDown: (e) => e.stopPropagation()
 	})] });
-	return /* @__PURE__ */ B("form", {
+	return /* @__PURE__ */ z("form", {
 		class: "sweepfields",
 		onSubmit: p,
 		children: [
 			m("from", a, o),
 			m("to", s, c),
 			m("runs", l, u),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 				type: "checkbox",
 				checked: d,
 				onChange: (e) => f(e.currentTarget.checked)
 			}), " by ratios"] }),
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				type: "submit",
 				children: "Sweep"
 			})
@@ -2930,23 +2951,23 @@ function yn({ store: e, path: t, low: n, high: r, onDone: i }) {
 	});
 }
 // src/panels.tsx
-function bn({ store: e, state: t }) {
+function Sn({ store: e, state: t }) {
 	let n = t.look, r = !n.view.editable, i = n.panels.experiment, a = (t, n) => e.edit({
 		do: "set",
 		path: t,
 		value: n
 	}), o = (i, o, s) => {
 		let c = Object.entries(n.panels[i]);
-		return /* @__PURE__ */ B(x, { children: [
-			/* @__PURE__ */ B("h2", { children: o }),
-			c.map(([n, r]) => /* @__PURE__ */ B(Sn, {
+		return /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("h2", { children: o }),
+			c.map(([n, r]) => /* @__PURE__ */ z(wn, {
 				store: e,
 				state: t,
 				section: i,
 				name: n,
 				value: r
 			}, n)),
-			!r && /* @__PURE__ */ B("button", {
+			!r && /* @__PURE__ */ z("button", {
 				onClick: () => {
 					let e = {
 						parameters: "k",
@@ -2957,54 +2978,54 @@ function bn({ store: e, state: t }) {
 						...n.view.nodes.map((e) => e.name),
 						...n.view.signals.map((e) => e.name)
 					];
-					a([i, en(t, e)], s);
+					a([i, nn(t, e)], s);
 				},
 				children: "Add"
 			})
 		] });
 	};
-	return /* @__PURE__ */ B("section", { children: [
+	return /* @__PURE__ */ z("section", { children: [
 		o("parameters", "Parameters", 1),
 		o("signals", "Signals", "time"),
 		o("inputs", "Inputs", { constant: 1 }),
-		!t.level && /* @__PURE__ */ B(x, { children: [
-			/* @__PURE__ */ B("h2", { children: "Run" }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Ht, {
+		!t.level && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("h2", { children: "Run" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(U, {
 				label: "Until",
-				value: tn(i.until),
+				value: rn(i.until),
 				placeholder: "1 s",
-				onWrite: (e) => void a(["experiment", "until"], Ut(e))
+				onWrite: (e) => void a(["experiment", "until"], Gt(e))
 			})] }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "solver" }), /* @__PURE__ */ B("select", {
-				value: tn(i.solver),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "solver" }), /* @__PURE__ */ z("select", {
+				value: rn(i.solver),
 				onChange: (e) => void a(["experiment", "solver"], e.currentTarget.value || null),
-				children: [/* @__PURE__ */ B("option", {
+				children: [/* @__PURE__ */ z("option", {
 					value: "",
 					children: "auto"
-				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ B("option", {
+				}), t.stock?.solvers.filter((e) => e.name !== "auto").map((e) => /* @__PURE__ */ z("option", {
 					value: e.name,
 					title: e.about,
 					children: e.name
 				}))]
 			})] }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "rtol" }), /* @__PURE__ */ B(Ht, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "rtol" }), /* @__PURE__ */ z(U, {
 				label: "Relative tolerance",
-				value: tn(i.rtol),
+				value: rn(i.rtol),
 				placeholder: "1e-8",
-				onWrite: (e) => void a(["experiment", "rtol"], Ut(e))
+				onWrite: (e) => void a(["experiment", "rtol"], Gt(e))
 			})] })
 		] })
 	] });
 }
-var xn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
-function Sn({ store: e, state: t, section: n, name: r, value: i }) {
-	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? xn.exec(tn(i)) : null, [c] = H(() => s && Number(s[1]) || 1), [l, u] = H(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
-	return /* @__PURE__ */ B("div", {
+var Cn = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(\s*\S.*)?$/i;
+function wn({ store: e, state: t, section: n, name: r, value: i }) {
+	let a = !t.look.view.editable, o = typeof i != "object", s = n === "parameters" ? Cn.exec(rn(i)) : null, [c] = V(() => s && Number(s[1]) || 1), [l, u] = V(!1), d = t.level ? `${t.level}.${r}` : r, f = (e) => `${+((Number(s?.[1]) || 1) * e).toPrecision(6)}${s?.[2] ?? ""}`;
+	return /* @__PURE__ */ z("div", {
 		class: "entry",
 		"data-entry": r,
 		children: [
-			/* @__PURE__ */ B("label", { children: [
-				/* @__PURE__ */ B(Ht, {
+			/* @__PURE__ */ z("label", { children: [
+				/* @__PURE__ */ z(U, {
 					label: `Name ${r}`,
 					value: r,
 					disabled: a,
@@ -3014,23 +3035,23 @@ function Sn({ store: e, state: t, section: n, name: r, value: i }) {
 						new: t.trim()
 					})
 				}),
-				o ? /* @__PURE__ */ B(Ht, {
+				o ? /* @__PURE__ */ z(U, {
 					label: r,
-					value: tn(i),
+					value: rn(i),
 					disabled: a,
-					list: n === "signals" ? nn(t) : void 0,
+					list: n === "signals" ? W(t) : void 0,
 					onWrite: (t) => void e.edit({
 						do: "set",
 						path: [n, r],
-						value: Ut(t)
+						value: Gt(t)
 					})
-				}) : /* @__PURE__ */ B(Cn, {
+				}) : /* @__PURE__ */ z(Tn, {
 					store: e,
 					path: [n, r],
 					value: i,
 					off: a
 				}),
-				s && /* @__PURE__ */ B("button", {
+				s && /* @__PURE__ */ z("button", {
 					class: "small",
 					"aria-label": `Sweep ${r}`,
 					title: "Run over a range",
@@ -3038,7 +3059,7 @@ function Sn({ store: e, state: t, section: n, name: r, value: i }) {
 					onClick: () => u(!l),
 					children: "⋯"
 				}),
-				!a && /* @__PURE__ */ B("button", {
+				!a && /* @__PURE__ */ z("button", {
 					class: "small",
 					"aria-label": `Delete ${r}`,
 					onClick: () => void e.edit({
@@ -3049,14 +3070,14 @@ function Sn({ store: e, state: t, section: n, name: r, value: i }) {
 					children: "✕"
 				})
 			] }),
-			l && s && /* @__PURE__ */ B(yn, {
+			l && s && /* @__PURE__ */ z(xn, {
 				store: e,
 				path: d,
 				low: f(.5),
 				high: f(2),
 				onDone: () => u(!1)
 			}),
-			s && !a && /* @__PURE__ */ B("input", {
+			s && !a && /* @__PURE__ */ z("input", {
 				type: "range",
 				"aria-label": `Slider ${r}`,
 				min: -1,
@@ -3075,20 +3096,20 @@ function Sn({ store: e, state: t, section: n, name: r, value: i }) {
 		]
 	});
 }
-function Cn({ store: e, path: t, value: n, off: r }) {
-	return /* @__PURE__ */ B("span", {
+function Tn({ store: e, path: t, value: n, off: r }) {
+	return /* @__PURE__ */ z("span", {
 		class: "structured",
-		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ B(Cn, {
+		children: Object.entries(n).map(([n, i]) => typeof i == "object" && i && !Array.isArray(i) ? /* @__PURE__ */ z(Tn, {
 			store: e,
 			path: [...t, n],
 			value: i,
 			off: r
-		}) : /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: n }), /* @__PURE__ */ B(Ht, {
+		}) : /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: n }), /* @__PURE__ */ z(U, {
 			label: `${t.join(" ")} ${n}`,
-			value: tn(i),
+			value: rn(i),
 			disabled: r,
 			onWrite: (r) => {
-				let i = Ut(r);
+				let i = Gt(r);
 				if (r.trim().startsWith("[")) try {
 					i = JSON.parse(r);
 				} catch {}
@@ -3101,58 +3122,58 @@ function Cn({ store: e, path: t, value: n, off: r }) {
 		})] }))
 	});
 }
-function wn({ store: e, state: t }) {
+function En({ store: e, state: t }) {
 	let n = t.look.problems;
-	return /* @__PURE__ */ B("section", { children: [
-		/* @__PURE__ */ B("h2", { children: "Problems" }),
-		!n.length && /* @__PURE__ */ B("p", { children: "None." }),
-		/* @__PURE__ */ B("ul", {
+	return /* @__PURE__ */ z("section", { children: [
+		/* @__PURE__ */ z("h2", { children: "Problems" }),
+		!n.length && /* @__PURE__ */ z("p", { children: "None." }),
+		/* @__PURE__ */ z("ul", {
 			class: "problems",
-			children: n.map((t) => /* @__PURE__ */ B("li", {
+			children: n.map((t) => /* @__PURE__ */ z("li", {
 				class: t.grave,
-				children: /* @__PURE__ */ B("button", {
+				children: /* @__PURE__ */ z("button", {
 					onClick: () => e.select(t.select),
 					children: [
-						/* @__PURE__ */ B("b", { children: t.code }),
+						/* @__PURE__ */ z("b", { children: t.code }),
 						" ",
-						t.where && /* @__PURE__ */ B("i", { children: t.where }),
-						/* @__PURE__ */ B("span", { children: t.why }),
-						t.try && /* @__PURE__ */ B("em", { children: ["Try: ", t.try] })
+						t.where && /* @__PURE__ */ z("i", { children: t.where }),
+						/* @__PURE__ */ z("span", { children: t.why }),
+						t.try && /* @__PURE__ */ z("em", { children: ["Try: ", t.try] })
 					]
 				})
 			}))
 		})
 	] });
 }
-function Tn({ store: e, state: t }) {
+function Dn({ store: e, state: t }) {
 	let { view: n, strokes: r } = t.look;
-	return /* @__PURE__ */ B("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "tables",
 		children: [
-			/* @__PURE__ */ B("h2", { children: "Elements" }),
-			/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
-				/* @__PURE__ */ B("th", {
+			/* @__PURE__ */ z("h2", { children: "Elements" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "name"
 				}),
-				/* @__PURE__ */ B("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "kind"
 				}),
-				/* @__PURE__ */ B("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "value"
 				}),
-				/* @__PURE__ */ B("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "state"
 				})
-			] }) }), /* @__PURE__ */ B("tbody", { children: n.nodes.map((n) => {
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.nodes.map((n) => {
 				let i = r.nodes[n.name];
-				return /* @__PURE__ */ B("tr", {
+				return /* @__PURE__ */ z("tr", {
 					class: t.nodes.has(n.name) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ B("td", { children: /* @__PURE__ */ B("button", {
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 							class: "link",
 							onClick: () => e.set({
 								nodes: /* @__PURE__ */ new Set([n.name]),
@@ -3160,9 +3181,9 @@ function Tn({ store: e, state: t }) {
 							}),
 							children: n.name
 						}) }),
-						/* @__PURE__ */ B("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
-						/* @__PURE__ */ B("td", { children: i?.says ?? n.says }),
-						/* @__PURE__ */ B("td", { children: [
+						/* @__PURE__ */ z("td", { children: n.kind === "part" ? String(n.entry.submodel) : n.kind }),
+						/* @__PURE__ */ z("td", { children: i?.says ?? n.says }),
+						/* @__PURE__ */ z("td", { children: [
 							i?.off ? "OFF" : i?.controlled ? "ON" : "",
 							i?.derivative ? "derivative" : "",
 							n.law ?? "",
@@ -3171,26 +3192,26 @@ function Tn({ store: e, state: t }) {
 					]
 				});
 			}) })] }),
-			/* @__PURE__ */ B("h2", { children: "Bonds" }),
-			/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
-				/* @__PURE__ */ B("th", {
+			/* @__PURE__ */ z("h2", { children: "Bonds" }),
+			/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "bond"
 				}),
-				/* @__PURE__ */ B("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "stroke at"
 				}),
-				/* @__PURE__ */ B("th", {
+				/* @__PURE__ */ z("th", {
 					scope: "col",
 					children: "other modes"
 				})
-			] }) }), /* @__PURE__ */ B("tbody", { children: n.bonds.map((n) => {
+			] }) }), /* @__PURE__ */ z("tbody", { children: n.bonds.map((n) => {
 				let i = r.bonds[n.key] ?? r.bonds[`${n.ends[0]} -> ${n.ends[1]}`];
-				return /* @__PURE__ */ B("tr", {
+				return /* @__PURE__ */ z("tr", {
 					class: t.bonds.has(n.key) ? "chosen" : "",
 					children: [
-						/* @__PURE__ */ B("td", { children: /* @__PURE__ */ B("button", {
+						/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 							class: "link",
 							onClick: () => e.set({
 								bonds: /* @__PURE__ */ new Set([n.key]),
@@ -3198,17 +3219,17 @@ function Tn({ store: e, state: t }) {
 							}),
 							children: n.text
 						}) }),
-						/* @__PURE__ */ B("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
-						/* @__PURE__ */ B("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
+						/* @__PURE__ */ z("td", { children: i ? i.strokes.map((e) => n.ends[e]).join(", ") + (i.conflict ? " (conflict)" : "") + (i.off ? " (OFF)" : "") : "—" }),
+						/* @__PURE__ */ z("td", { children: i?.dashed?.map((e) => n.ends[e]).join(", ") ?? "" })
 					]
 				});
 			}) })] })
 		]
 	});
 }
-function En({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), o = t.look.revision;
-	yt(() => {
+function On({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(null), o = t.look.revision;
+	H(() => {
 		let t = !1;
 		return e.transport.ask("text").then((e) => !t && r(e)).catch(() => {}), () => {
 			t = !0;
@@ -3217,15 +3238,15 @@ function En({ store: e, state: t }) {
 	let s = () => {
 		i !== null && e.ask("replace", { text: i }).then((e) => e && a(null));
 	};
-	return /* @__PURE__ */ B("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "textpanel",
 		children: [
-			/* @__PURE__ */ B("h2", { children: [
+			/* @__PURE__ */ z("h2", { children: [
 				t.look.file,
 				" ",
-				i !== null && /* @__PURE__ */ B("small", { children: "not applied" })
+				i !== null && /* @__PURE__ */ z("small", { children: "not applied" })
 			] }),
-			/* @__PURE__ */ B("textarea", {
+			/* @__PURE__ */ z("textarea", {
 				"aria-label": "Text of the model file",
 				spellcheck: !1,
 				value: i ?? n?.text ?? "",
@@ -3234,13 +3255,13 @@ function En({ store: e, state: t }) {
 					e.key === "Enter" && (e.ctrlKey || e.metaKey) && s(), e.stopPropagation();
 				}
 			}),
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: [/* @__PURE__ */ B("button", {
+				children: [/* @__PURE__ */ z("button", {
 					disabled: i === null,
 					onClick: s,
 					children: "Apply (Ctrl+Enter)"
-				}), /* @__PURE__ */ B("button", {
+				}), /* @__PURE__ */ z("button", {
 					disabled: i === null,
 					onClick: () => a(null),
 					children: "Discard"
@@ -3250,7 +3271,7 @@ function En({ store: e, state: t }) {
 	});
 }
 // src/palette.tsx
-function Dn(e) {
+function kn(e) {
 	let t = e.stock, n = (t?.kinds ?? []).map((e) => ({
 		key: e.kind,
 		letters: e.kind === "G" ? "G" : e.letters,
@@ -3273,20 +3294,20 @@ function Dn(e) {
 		parts: r
 	};
 }
-function On({ store: e, state: t }) {
-	let [n, r] = H(""), { kinds: i, parts: a } = Dn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
+function An({ store: e, state: t }) {
+	let [n, r] = V(""), { kinds: i, parts: a } = kn(t), o = t.look?.view.domain ?? "", s = n.toLowerCase().split(/\s+/).filter(Boolean), c = (e) => s.every((t) => `${e.key} ${e.about}`.toLowerCase().includes(t)), l = [...a].sort(([e], [t]) => Number(t === o) - Number(e === o)), u = (e) => (t) => t.dataTransfer.setData("application/x-hybond", JSON.stringify({
 		element: e.element,
 		stem: e.stem
 	})), d = (t) => {
 		e.add(t.element, t.stem), e.set({ panel: "" });
 	}, f = !t.look?.view.editable;
-	return /* @__PURE__ */ B("aside", {
+	return /* @__PURE__ */ z("aside", {
 		class: "palette" + (t.panel === "palette" ? " open" : ""),
 		"aria-label": "Palette",
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "kinds",
-				children: i.map((e) => /* @__PURE__ */ B("button", {
+				children: i.map((e) => /* @__PURE__ */ z("button", {
 					disabled: f,
 					draggable: !0,
 					onDragStart: u(e),
@@ -3297,27 +3318,27 @@ function On({ store: e, state: t }) {
 					children: e.letters
 				}))
 			}),
-			/* @__PURE__ */ B("input", {
+			/* @__PURE__ */ z("input", {
 				type: "search",
 				placeholder: "Parts …",
 				"aria-label": "Search parts",
 				value: n,
 				onInput: (e) => r(e.currentTarget.value)
 			}),
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "shelves",
 				tabindex: 0,
 				role: "region",
 				"aria-label": "Ready parts",
 				children: l.map(([e, t]) => {
 					let n = t.filter(c);
-					return n.length ? /* @__PURE__ */ B("details", {
+					return n.length ? /* @__PURE__ */ z("details", {
 						open: s.length > 0 || e === o,
-						children: [/* @__PURE__ */ B("summary", { children: [
+						children: [/* @__PURE__ */ z("summary", { children: [
 							e,
 							" ",
-							/* @__PURE__ */ B("small", { children: n.length })
-						] }), n.map((e) => /* @__PURE__ */ B("button", {
+							/* @__PURE__ */ z("small", { children: n.length })
+						] }), n.map((e) => /* @__PURE__ */ z("button", {
 							class: "offer",
 							disabled: f,
 							draggable: !0,
@@ -3333,71 +3354,62 @@ function On({ store: e, state: t }) {
 		]
 	});
 }
-var kn = /^[A-Za-z_]\w*$/, An = 8, jn = 5;
-function Mn(e, t) {
+var jn = /^[A-Za-z_]\w*$/, Mn = 8, Nn = 5;
+function Pn(e, t) {
 	let n = e.letters.replaceAll("_", " ").toLowerCase(), r = t.replaceAll("_", " ");
-	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : jn;
+	return n === r || e.key === t ? 0 : n.startsWith(r) ? 1 : ` ${n}`.includes(` ${r}`) ? 2 : `${e.key} ${n}`.includes(r) ? 3 : e.about.toLowerCase().includes(r) ? 4 : Nn;
 }
-function Nn(e) {
+function Fn(e) {
 	let t = (e.look?.view.nodes ?? []).filter((e) => String(e.entry.submodel ?? "").includes(".")), n = t.find((t) => e.nodes.has(t.name)) ?? t[t.length - 1];
 	return n ? String(n.entry.submodel).split(".")[0] : e.look?.view.domain ?? "";
 }
-function Pn({ store: e, state: t }) {
-	let [n, r] = H(""), [i, a] = H(0), { kinds: o, parts: s } = Dn(t), c = [...o, ...[...s.values()].flat()], [l, ...u] = n.trim().split(/\s+/), d = o.find((e) => e.key === l), f = !d && u.length === 1 && kn.test(u[0]) && c.some((e) => e.letters === l), p = (f ? l : n.trim()).toLowerCase(), m = Nn(t), h = n.includes("->") ? [] : d ? [d, ...c.filter((e) => e !== d && e.key.includes(l))] : c.map((e) => ({
-		o: e,
-		rank: 2 * Mn(e, p) - Number(e.key.startsWith(`${m}.`))
-	})).filter(({ rank: e }) => e < 9).sort((e, t) => e.rank - t.rank).map(({ o: e }) => e), g = () => {
-		document.querySelector(".canvas svg")?.focus(), e.set({ adding: !1 });
-	}, _ = async () => {
-		if (n.includes("->")) return await e.edit({
-			do: "write bond",
-			text: n.trim()
-		}), g();
-		let t = h[Math.min(i, h.length - 1)];
-		if (!t) return;
-		let r = t.element, a = "";
-		if (t === d && u.length) {
-			kn.test(u[0]) && (a = u.shift());
-			let e = u.join(" ");
-			e && !("junction" in r) && (r = { [t.key]: e });
-		} else f && (a = u[0]);
-		await e.add(r, a || t.stem), g();
+function In(e, t) {
+	let { kinds: n, parts: r } = kn(e), i = [...n, ...[...r.values()].flat()], [a, ...o] = t.trim().split(/\s+/), s = n.find((e) => e.key === a), c = !s && o.length === 1 && jn.test(o[0]) && i.some((e) => e.letters === a), l = (c ? a : t.trim()).toLowerCase(), u = Fn(e);
+	return {
+		exact: s,
+		called: c,
+		rest: o,
+		found: t.includes("->") ? [] : s ? [s, ...i.filter((e) => e !== s && e.key.includes(a))] : i.map((e) => ({
+			o: e,
+			rank: 2 * Pn(e, l) - Number(e.key.startsWith(`${u}.`))
+		})).filter(({ rank: e }) => e < 9).sort((e, t) => e.rank - t.rank).map(({ o: e }) => e)
 	};
-	return /* @__PURE__ */ B("div", {
-		class: "quick",
-		role: "dialog",
-		"aria-label": "Add",
-		children: [/* @__PURE__ */ B("input", {
-			ref: (e) => e?.focus(),
-			value: n,
-			"aria-label": "What to add",
-			placeholder: "R load 10 ohm · diode · a -> b",
-			onInput: (e) => {
-				r(e.currentTarget.value), a(0);
-			},
-			onKeyDown: (e) => {
-				let t = {
-					ArrowDown: 1,
-					ArrowUp: -1
-				}[e.key];
-				t && (a(Math.max(0, Math.min(i + t, h.length - 1, 7))), e.preventDefault()), e.key === "Enter" && _(), e.key === "Escape" && g(), e.stopPropagation();
-			}
-		}), /* @__PURE__ */ B("ul", { children: h.slice(0, An).map((e, t) => /* @__PURE__ */ B("li", {
-			class: t === i ? "chosen" : "",
-			children: [
-				/* @__PURE__ */ B("b", { children: e.letters }),
-				" ",
-				e.about,
-				e.key.includes(".") && /* @__PURE__ */ B("small", { children: [" ", e.key.split(".")[0]] })
-			]
-		})) })]
+}
+function Ln({ store: e, state: t }) {
+	return /* @__PURE__ */ z(It, {
+		title: "Add",
+		ask: "What to add",
+		placeholder: "R load 10 ohm · diode · a -> b",
+		most: Mn,
+		fitting: (e) => In(t, e).found,
+		say: (e) => /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("b", { children: e.letters }),
+			" ",
+			e.about,
+			e.key.includes(".") && /* @__PURE__ */ z("small", { children: [" ", e.key.split(".")[0]] })
+		] }),
+		take: async (n, r) => {
+			if (r.includes("->")) return await e.edit({
+				do: "write bond",
+				text: r.trim()
+			}), !0;
+			if (!n) return !1;
+			let { exact: i, called: a, rest: o } = In(t, r), s = n.element, c = "";
+			if (n.key === i?.key) {
+				o.length && jn.test(o[0]) && (c = o.shift());
+				let e = o.join(" ");
+				e && !("junction" in s) && (s = { [n.key]: e });
+			} else a && (c = o[0]);
+			return await e.add(s, c || n.stem), !0;
+		},
+		close: () => e.set({ adding: !1 })
 	});
 }
 // src/axes.ts
-function Fn(e) {
+function Rn(e) {
 	return /^([^:,()]+\.\.[^:,()]+?)(:11)?$/.exec(e.trim())?.[1] ?? null;
 }
-function In(e, t, n, r = 5) {
+function zn(e, t, n, r = 5) {
 	if (!(t - e > 1e-9 * Math.max(Math.abs(e), Math.abs(t)))) {
 		let r = Math.abs(e) * .1 || 1;
 		[e, t] = n ? [e * .9, e * 1.1] : [e - r, t + r];
@@ -3408,7 +3420,7 @@ function In(e, t, n, r = 5) {
 		log: n,
 		part: (n) => (n - e) / (t - e),
 		value: (n) => e + n * (t - e),
-		ticks: zn(e, t, r)
+		ticks: Hn(e, t, r)
 	};
 	let [i, a] = [Math.log(e), Math.log(t)];
 	return {
@@ -3417,22 +3429,22 @@ function In(e, t, n, r = 5) {
 		log: n,
 		part: (e) => (Math.log(e) - i) / (a - i),
 		value: (e) => Math.exp(i + e * (a - i)),
-		ticks: Bn(e, t, r)
+		ticks: Un(e, t, r)
 	};
 }
-function Ln(e, t, n) {
-	if (e.edges) return In(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
-	let [r, i] = Rn(t.filter((e) => e !== null));
-	if (e.log) return In(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
+function Bn(e, t, n) {
+	if (e.edges) return zn(e.edges[0], e.edges[e.edges.length - 1], e.log, n);
+	let [r, i] = Vn(t.filter((e) => e !== null));
+	if (e.log) return zn(r / (i / r) ** .04, i * (i / r) ** .04, !0, n);
 	let a = .05 * (i - r);
-	return In(r - a, i + a, !1, n);
+	return zn(r - a, i + a, !1, n);
 }
-function Rn(e) {
+function Vn(e) {
 	let [t, n] = [Infinity, -Infinity];
 	for (let r of e) r < t && (t = r), r > n && (n = r);
 	return t <= n ? [t, n] : [0, 1];
 }
-function zn(e, t, n) {
+function Hn(e, t, n) {
 	let r = (t - e) / n, i = 10 ** Math.floor(Math.log10(r)), a = [
 		1,
 		2,
@@ -3442,7 +3454,7 @@ function zn(e, t, n) {
 	for (let n = Math.ceil(e / a - 1e-9); n * a <= t * (1 + 1e-12) + 1e-9 * a; n++) o.push(+(n * a).toPrecision(12));
 	return o;
 }
-function Bn(e, t, n) {
+function Un(e, t, n) {
 	let r = [];
 	for (let i of [
 		[1],
@@ -3459,13 +3471,13 @@ function Bn(e, t, n) {
 	}
 	return r.length > 1 ? r : [e, t];
 }
-function Vn(e, t) {
-	return t ? `${e} [${L(t)}]` : e;
+function Wn(e, t) {
+	return t ? `${e} [${I(t)}]` : e;
 }
-function K(e) {
-	return e === null ? "none" : xe(e, 5).replace(/\.?0+e/, "e");
+function q(e) {
+	return e === null ? "none" : Se(e, 5).replace(/\.?0+e/, "e");
 }
-var Hn = [
+var Gn = [
 	"440154",
 	"482878",
 	"3e4989",
@@ -3477,40 +3489,40 @@ var Hn = [
 	"b5de2b",
 	"fde725"
 ];
-function Un(e) {
-	let t = Math.min(Math.max(e, 0), 1) * (Hn.length - 1), n = Math.min(Math.floor(t), Hn.length - 2);
+function Kn(e) {
+	let t = Math.min(Math.max(e, 0), 1) * (Gn.length - 1), n = Math.min(Math.floor(t), Gn.length - 2);
 	return `rgb(${[
 		0,
 		2,
 		4
 	].map((e) => {
-		let [r, i] = [Hn[n], Hn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
+		let [r, i] = [Gn[n], Gn[n + 1]].map((t) => parseInt(t.slice(e, e + 2), 16));
 		return Math.round(r + (t - n) * (i - r));
 	}).join(",")})`;
 }
-var Wn = Hn.map((e) => `#${e}`).join(", "), Gn = 120, Kn = "HB-W103", qn = [
+var qn = Gn.map((e) => `#${e}`).join(", "), Jn = 120, Yn = "HB-W103", Xn = [
 	"grid",
 	"together",
 	"ends"
-], Jn = ["grid", "together"];
-function Yn({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(null), [o, s] = H(null), c = t.look.revision, l = t.asking;
-	if (yt(() => {
+], Zn = ["grid", "together"];
+function Qn({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(null), [o, s] = V(null), c = t.look.revision, l = t.asking;
+	if (H(() => {
 		let t = !1;
 		return e.transport.ask("plan words").then((n) => {
-			t || (r(n), a(null), e.state.asking || e.set({ asking: Qn(n) }));
+			t || (r(n), a(null), e.state.asking || e.set({ asking: tr(n) }));
 		}).catch((e) => !t && a(e.problem ?? null)), () => {
 			t = !0;
 		};
-	}, [c]), yt(() => {
+	}, [c]), H(() => {
 		if (!l) return;
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("plan look", l).then((e) => !t && s(e)).catch((e) => !t && a(e.problem ?? null));
-		}, Gn);
+		}, Jn);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
-	}, [l, c]), i) return /* @__PURE__ */ B("p", {
+	}, [l, c]), i) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: [
 			"There is nothing to sweep yet: ",
@@ -3519,7 +3531,7 @@ function Yn({ store: e, state: t }) {
 			i.why
 		]
 	});
-	if (!n || !l) return /* @__PURE__ */ B("p", {
+	if (!n || !l) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "…"
 	});
@@ -3530,34 +3542,34 @@ function Yn({ store: e, state: t }) {
 		...n,
 		...t
 	} : n), h = (e, t) => {
-		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === $n(n.values[a.path] ?? "", l.way));
+		let r = t.trim(), i = n.values[r], a = l.factors[e], o = i && (!a.values || a.values === nr(n.values[a.path] ?? "", l.way));
 		return m(e, {
 			path: r,
-			...o ? { values: $n(i, l.way) } : {}
+			...o ? { values: nr(i, l.way) } : {}
 		});
 	}, g = (e) => u({
 		way: e,
 		count: l.count || "128",
 		factors: l.factors.map((t) => ({
 			...t,
-			values: $n(t.values, e)
+			values: nr(t.values, e)
 		}))
 	}), _ = () => {
 		let e = n.paths.find((e) => e in n.values && !l.factors.some((t) => t.path === e)) ?? "";
 		u({ factors: [...l.factors, {
 			path: e,
-			values: $n(n.values[e] ?? "", l.way)
+			values: nr(n.values[e] ?? "", l.way)
 		}] });
 	}, v = o?.members ?? 0;
-	return /* @__PURE__ */ B("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "plan",
 		children: [
-			/* @__PURE__ */ B("h2", { children: "What varies" }),
-			l.factors.map((e, t) => /* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("h2", { children: "What varies" }),
+			l.factors.map((e, t) => /* @__PURE__ */ z("div", {
 				class: "factor",
 				"data-factor": t,
 				children: [
-					/* @__PURE__ */ B(W, {
+					/* @__PURE__ */ z(sn, {
 						label: `Factor ${t + 1}`,
 						value: e.path,
 						words: n.paths,
@@ -3569,7 +3581,7 @@ function Yn({ store: e, state: t }) {
 						})),
 						told: f[`path.${t}`]
 					}),
-					/* @__PURE__ */ B(W, {
+					/* @__PURE__ */ z(sn, {
 						label: `Values of factor ${t + 1}`,
 						value: e.values,
 						words: [
@@ -3590,7 +3602,7 @@ function Yn({ store: e, state: t }) {
 						})),
 						told: f[`values.${t}`]
 					}),
-					/* @__PURE__ */ B("button", {
+					/* @__PURE__ */ z("button", {
 						class: "small",
 						"aria-label": `Leave out factor ${t + 1}`,
 						disabled: l.factors.length < 2,
@@ -3599,50 +3611,50 @@ function Yn({ store: e, state: t }) {
 					})
 				]
 			}, t)),
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "row",
-				children: /* @__PURE__ */ B("button", {
+				children: /* @__PURE__ */ z("button", {
 					onClick: _,
 					children: "Add a factor"
 				})
 			}),
-			/* @__PURE__ */ B("details", { children: [/* @__PURE__ */ B("summary", { children: "How values are written" }), /* @__PURE__ */ B("dl", { children: [
-				/* @__PURE__ */ B("dt", { children: "0.2:0.3:0.005" }),
-				/* @__PURE__ */ B("dd", { children: "from, to, step" }),
-				/* @__PURE__ */ B("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
-				/* @__PURE__ */ B("dd", { children: "so many, evenly or by ratios" }),
-				/* @__PURE__ */ B("dt", { children: "1 kg, 1.5 kg" }),
-				/* @__PURE__ */ B("dd", { children: "these" }),
-				/* @__PURE__ */ B("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
-				/* @__PURE__ */ B("dd", { children: "distributions, for samples" })
+			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "How values are written" }), /* @__PURE__ */ z("dl", { children: [
+				/* @__PURE__ */ z("dt", { children: "0.2:0.3:0.005" }),
+				/* @__PURE__ */ z("dd", { children: "from, to, step" }),
+				/* @__PURE__ */ z("dt", { children: "1..2 kg:11, log(1e-4, 1e-2, 50)" }),
+				/* @__PURE__ */ z("dd", { children: "so many, evenly or by ratios" }),
+				/* @__PURE__ */ z("dt", { children: "1 kg, 1.5 kg" }),
+				/* @__PURE__ */ z("dd", { children: "these" }),
+				/* @__PURE__ */ z("dt", { children: "1..2 kg, log(1e-4, 1e-2), normal(1 kg, 50 g)" }),
+				/* @__PURE__ */ z("dd", { children: "distributions, for samples" })
 			] })] }),
-			/* @__PURE__ */ B("h2", { children: "How members are drawn" }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "way" }), /* @__PURE__ */ B("select", {
+			/* @__PURE__ */ z("h2", { children: "How members are drawn" }),
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "way" }), /* @__PURE__ */ z("select", {
 				"aria-label": "Way",
 				value: l.way,
 				onChange: (e) => g(e.currentTarget.value),
-				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ B("option", {
+				children: Object.keys(n.ways).map((e) => /* @__PURE__ */ z("option", {
 					value: e,
-					children: Xn[e] ?? e
+					children: $n[e] ?? e
 				}))
 			})] }),
-			/* @__PURE__ */ B("p", {
+			/* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.ways[l.way]
 			}),
-			!qn.includes(l.way) && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "number" }), /* @__PURE__ */ B(Ht, {
+			!Xn.includes(l.way) && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "number" }), /* @__PURE__ */ z(U, {
 				label: "Number",
 				value: l.count,
 				onWrite: (e) => u({ count: e.trim() })
 			})] }),
-			!Jn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "seed" }), /* @__PURE__ */ B(Ht, {
+			!Zn.includes(l.way) && l.way !== "ends" && /* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "seed" }), /* @__PURE__ */ z(U, {
 				label: "Seed",
 				value: l.seed,
 				onWrite: (e) => u({ seed: e.trim() || "0" })
 			})] }),
-			/* @__PURE__ */ B(Zn, { problem: f.seed ?? f.way }),
-			/* @__PURE__ */ B("h2", { children: "What is collected" }),
-			/* @__PURE__ */ B(W, {
+			/* @__PURE__ */ z(er, { problem: f.seed ?? f.way }),
+			/* @__PURE__ */ z("h2", { children: "What is collected" }),
+			/* @__PURE__ */ z(sn, {
 				label: "Collect",
 				value: l.collect,
 				words: n.words,
@@ -3654,37 +3666,37 @@ function Yn({ store: e, state: t }) {
 				})),
 				told: f.collect
 			}),
-			/* @__PURE__ */ B("details", { children: [/* @__PURE__ */ B("summary", { children: "What can be collected" }), /* @__PURE__ */ B("ul", { children: Object.values(n.collectors).map((e) => {
+			/* @__PURE__ */ z("details", { children: [/* @__PURE__ */ z("summary", { children: "What can be collected" }), /* @__PURE__ */ z("ul", { children: Object.values(n.collectors).map((e) => {
 				let [, t, n] = /^(\w+(?:\([^)]*\))?)[:,] (.*)$/.exec(e) ?? [
 					"",
 					e,
 					""
 				];
-				return /* @__PURE__ */ B("li", { children: [
-					/* @__PURE__ */ B("code", { children: t }),
+				return /* @__PURE__ */ z("li", { children: [
+					/* @__PURE__ */ z("code", { children: t }),
 					" ",
 					n
 				] });
 			}) })] }),
-			/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("span", { children: "until" }), /* @__PURE__ */ B(Ht, {
+			/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("span", { children: "until" }), /* @__PURE__ */ z(U, {
 				label: "Until of the sweep",
 				value: l.until,
 				placeholder: String(t.look.panels.experiment.until ?? "1 s"),
 				onWrite: (e) => u({ until: e.trim() })
 			})] }),
-			/* @__PURE__ */ B(Zn, { problem: f.until }),
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z(er, { problem: f.until }),
+			/* @__PURE__ */ z("div", {
 				class: "row begin",
-				children: [p ? /* @__PURE__ */ B("button", {
+				children: [p ? /* @__PURE__ */ z("button", {
 					class: "run",
 					onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
 					children: "Cancel"
-				}) : /* @__PURE__ */ B("button", {
+				}) : /* @__PURE__ */ z("button", {
 					class: "run",
 					disabled: !v || Object.keys(f).length > 0,
 					onClick: () => void e.sweepPlan(e.state.asking),
 					children: ["▶ Run ", v > 0 ? `${v} members` : "the sweep"]
-				}), t.plan && !t.planShown && /* @__PURE__ */ B("button", {
+				}), t.plan && !t.planShown && /* @__PURE__ */ z("button", {
 					onClick: () => e.set({
 						planShown: !0,
 						bottom: !0,
@@ -3693,12 +3705,12 @@ function Yn({ store: e, state: t }) {
 					children: "Show the last"
 				})]
 			}),
-			o && Object.values(f).every((e) => e.code === Kn) && /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("h2", { children: "The same in a terminal" }), /* @__PURE__ */ B("div", {
+			o && Object.values(f).every((e) => e.code === Yn) && /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("h2", { children: "The same in a terminal" }), /* @__PURE__ */ z("div", {
 				class: "command",
-				children: [/* @__PURE__ */ B("code", {
+				children: [/* @__PURE__ */ z("code", {
 					tabindex: 0,
 					children: o.command
-				}), /* @__PURE__ */ B("button", {
+				}), /* @__PURE__ */ z("button", {
 					onClick: () => void navigator.clipboard?.writeText(o.command).catch((t) => e.refused(t)),
 					children: "Copy"
 				})]
@@ -3706,7 +3718,7 @@ function Yn({ store: e, state: t }) {
 		]
 	});
 }
-var Xn = {
+var $n = {
 	grid: "all combinations",
 	together: "side by side",
 	random: "at random",
@@ -3715,18 +3727,18 @@ var Xn = {
 	saltelli: "for Sobol indices",
 	ends: "for a tornado"
 };
-function Zn({ problem: e }) {
-	return e ? /* @__PURE__ */ B("small", {
+function er({ problem: e }) {
+	return e ? /* @__PURE__ */ z("small", {
 		class: "wrong",
 		role: "status",
 		children: [
 			e.why,
 			" ",
-			e.try && /* @__PURE__ */ B("em", { children: e.try })
+			e.try && /* @__PURE__ */ z("em", { children: e.try })
 		]
 	}) : null;
 }
-function Qn(e) {
+function tr(e) {
 	let t = e.paths.find((t) => t in e.values) ?? e.paths[0] ?? "";
 	return {
 		factors: [{
@@ -3740,24 +3752,24 @@ function Qn(e) {
 		collect: e.collect
 	};
 }
-function $n(e, t) {
-	let n = Fn(e);
-	return n ? Jn.includes(t) ? `${n}:11` : n : e;
+function nr(e, t) {
+	let n = Rn(e);
+	return n ? Zn.includes(t) ? `${n}:11` : n : e;
 }
 // src/bands.tsx
-var [er, tr, nr, rr] = [
+var [rr, ir, ar, or] = [
 	66,
 	14,
 	10,
 	38
 ];
-function ir({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
+function sr({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 	let { t: o, bands: s, curves: c } = e, l = [...s, ...c].flat().filter((e) => e !== null);
-	if (!l.length) return /* @__PURE__ */ B("p", {
+	if (!l.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "No run has come so far that it has values."
 	});
-	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - er - tr, n - nr - rr], [m, h] = Rn(l), g = .05 * (h - m), _ = In(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = In(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => er + _.part(e) * f, b = (e) => nr + (1 - v.part(e)) * p, x = (e) => {
+	let u = t > 620, d = Math.max(t - (u ? 230 : 0), 160), [f, p] = [d - rr - ir, n - ar - or], [m, h] = Vn(l), g = .05 * (h - m), _ = zn(o[0], o[o.length - 1], !1, Math.max(2, Math.round(f / 90))), v = zn(m - g, h + g, !1, Math.max(2, Math.round(p / 45))), y = (e) => rr + _.part(e) * f, b = (e) => ar + (1 - v.part(e)) * p, x = (e) => {
 		let [t, n] = ["", "M"];
 		return e.forEach((e, r) => {
 			e === null ? n = "M" : [t, n] = [`${t}${n}${y(o[r]).toFixed(1)},${b(e).toFixed(1)}`, "L"];
@@ -3773,10 +3785,10 @@ function ir({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 		}
 		return n;
 	}, [C, w, T, E, D] = s, O = r === null ? -1 : e.members.indexOf(r);
-	return /* @__PURE__ */ B("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
 		"data-view": "family",
-		children: [/* @__PURE__ */ B("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "area",
 			style: `width: ${d}px; height: ${n}px`,
 			tabindex: 0,
@@ -3795,99 +3807,99 @@ function ir({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 				let o = O < 0 ? 0 : O + n;
 				e.members[o] !== void 0 && i(e.members[o]);
 			},
-			children: /* @__PURE__ */ B("svg", {
+			children: /* @__PURE__ */ z("svg", {
 				width: d,
 				height: n,
 				role: "img",
-				"aria-label": `${e.signal}: from ${K(m)} to ${K(h)} ${e.unit}; the median ends at ${K(T[T.length - 1])}`,
+				"aria-label": `${e.signal}: from ${q(m)} to ${q(h)} ${e.unit}; the median ends at ${q(T[T.length - 1])}`,
 				children: [
-					/* @__PURE__ */ B("rect", {
+					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: er,
-						y: nr,
+						x: rr,
+						y: ar,
 						width: f,
 						height: p
 					}),
-					/* @__PURE__ */ B("path", {
+					/* @__PURE__ */ z("path", {
 						class: "band",
 						d: S(C, D)
 					}),
-					/* @__PURE__ */ B("path", {
+					/* @__PURE__ */ z("path", {
 						class: "band inner",
 						d: S(w, E)
 					}),
-					c.map((t, n) => n === O ? null : /* @__PURE__ */ B("path", {
+					c.map((t, n) => n === O ? null : /* @__PURE__ */ z("path", {
 						class: "one",
 						d: x(t),
 						onClick: () => (i(e.members[n]), a(e.members[n])),
-						children: /* @__PURE__ */ B("title", { children: ["run ", e.members[n]] })
+						children: /* @__PURE__ */ z("title", { children: ["run ", e.members[n]] })
 					})),
-					/* @__PURE__ */ B("path", {
+					/* @__PURE__ */ z("path", {
 						class: "median",
 						d: x(T)
 					}),
-					O >= 0 && /* @__PURE__ */ B("path", {
+					O >= 0 && /* @__PURE__ */ z("path", {
 						class: "one chosen",
 						d: x(c[O]),
 						onClick: () => a(r)
 					}),
-					_.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
+					_.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
 						x1: y(e),
 						x2: y(e),
-						y1: nr + p,
-						y2: nr + p + 4
-					}), /* @__PURE__ */ B("text", {
+						y1: ar + p,
+						y2: ar + p + 4
+					}), /* @__PURE__ */ z("text", {
 						x: y(e),
-						y: nr + p + 15,
+						y: ar + p + 15,
 						"text-anchor": "middle",
-						children: z(e, "s")
+						children: R(e, "s")
 					})] })),
-					v.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
+					v.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: er - 4,
-						x2: er,
+						x1: rr - 4,
+						x2: rr,
 						y1: b(e),
 						y2: b(e)
-					}), /* @__PURE__ */ B("text", {
-						x: er - 7,
+					}), /* @__PURE__ */ z("text", {
+						x: rr - 7,
 						y: b(e) + 3.5,
 						"text-anchor": "end",
-						children: K(e)
+						children: q(e)
 					})] })),
-					/* @__PURE__ */ B("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: er + f / 2,
+						x: rr + f / 2,
 						y: n - 6,
 						"text-anchor": "middle",
 						children: "time"
 					}),
-					/* @__PURE__ */ B("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${nr + p / 2}) rotate(-90)`,
+						transform: `translate(12,${ar + p / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: Vn(e.signal, e.unit)
+						children: Wn(e.signal, e.unit)
 					})
 				]
 			})
-		}), /* @__PURE__ */ B("figcaption", { children: [
-			/* @__PURE__ */ B("b", { children: Vn(e.signal, e.unit) }),
-			/* @__PURE__ */ B("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("b", { children: Wn(e.signal, e.unit) }),
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ B("i", { class: "line median" }), " median"]
+				children: [/* @__PURE__ */ z("i", { class: "line median" }), " median"]
 			}),
-			/* @__PURE__ */ B("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ B("i", { class: "fill inner" }), " 25 to 75 %"]
+				children: [/* @__PURE__ */ z("i", { class: "fill inner" }), " 25 to 75 %"]
 			}),
-			/* @__PURE__ */ B("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ B("i", { class: "fill" }), " 5 to 95 %"]
+				children: [/* @__PURE__ */ z("i", { class: "fill" }), " 5 to 95 %"]
 			}),
-			/* @__PURE__ */ B("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
 				children: [
-					/* @__PURE__ */ B("i", { class: "line one" }),
+					/* @__PURE__ */ z("i", { class: "line one" }),
 					" ",
 					e.members.length,
 					" of ",
@@ -3895,192 +3907,192 @@ function ir({ found: e, wide: t, high: n, chosen: r, choose: i, open: a }) {
 					" runs"
 				]
 			}),
-			e.every > 1 && /* @__PURE__ */ B("small", { children: [
+			e.every > 1 && /* @__PURE__ */ z("small", { children: [
 				"every ",
 				e.every,
 				". of the times is drawn"
 			] }),
-			/* @__PURE__ */ B("output", { children: O >= 0 ? `run ${r}` : "" })
+			/* @__PURE__ */ z("output", { children: O >= 0 ? `run ${r}` : "" })
 		] })]
 	});
 }
 // src/bars.tsx
-var [ar, or, sr] = [
+var [cr, lr, ur] = [
 	22,
 	40,
 	34
 ];
-function cr(e, t) {
+function dr(e, t) {
 	return Math.min(24 + 7 * Math.max(...e.map((e) => e.length)), t * .35);
 }
-function lr({ found: e, wide: t, open: n }) {
+function fr({ found: e, wide: t, open: n }) {
 	let r = e.middle;
-	if (r === null) return /* @__PURE__ */ B("p", {
+	if (r === null) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The run in the middle has no value."
 	});
-	let i = Math.min(t, 820), a = cr(e.rows.map((e) => Vn(e.path, e.unit)), i), [o, s] = [44, ar + sr * e.rows.length + or], [c, l] = Rn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = In(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
-	return /* @__PURE__ */ B("figure", {
+	let i = Math.min(t, 820), a = dr(e.rows.map((e) => Wn(e.path, e.unit)), i), [o, s] = [44, cr + ur * e.rows.length + lr], [c, l] = Vn([r, ...e.rows.flatMap((e) => e.outcomes).filter((e) => e !== null)]), u = .14 * (l - c), d = zn(c - u, l + u, !1, Math.max(2, Math.round((i - a - o) / 100))), f = (e) => a + d.part(e) * (i - a - o);
+	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "tornado",
-		children: [/* @__PURE__ */ B("svg", {
+		children: [/* @__PURE__ */ z("svg", {
 			width: i,
 			height: s,
 			role: "group",
-			"aria-label": `How far each factor moves ${e.value} from ${K(r)} ${e.unit}`,
+			"aria-label": `How far each factor moves ${e.value} from ${q(r)} ${e.unit}`,
 			children: [
-				d.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
+				d.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: f(e),
 					x2: f(e),
-					y1: ar,
-					y2: s - or
-				}), /* @__PURE__ */ B("text", {
+					y1: cr,
+					y2: s - lr
+				}), /* @__PURE__ */ z("text", {
 					x: f(e),
-					y: s - or + 15,
+					y: s - lr + 15,
 					"text-anchor": "middle",
-					children: K(e)
+					children: q(e)
 				})] })),
-				e.rows.map((t, i) => /* @__PURE__ */ B("g", {
-					transform: `translate(0,${ar + i * sr})`,
+				e.rows.map((t, i) => /* @__PURE__ */ z("g", {
+					transform: `translate(0,${cr + i * ur})`,
 					"data-factor": t.path,
-					children: [/* @__PURE__ */ B("text", {
+					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: a - 8,
-						y: sr / 2 + 4,
+						y: ur / 2 + 4,
 						"text-anchor": "end",
-						children: Vn(t.path, t.unit)
+						children: Wn(t.path, t.unit)
 					}), t.outcomes.map((i, a) => {
-						if (i === null) return /* @__PURE__ */ B("text", {
+						if (i === null) return /* @__PURE__ */ z("text", {
 							x: f(r) + 4,
-							y: sr / 2 + 4,
+							y: ur / 2 + 4,
 							children: "no value"
 						});
-						let o = i > r || i === r && a === 1, s = `${t.path} = ${K(t.ends[a])}: ${e.value} = ${K(i)}`, c = () => n(t.members[a]);
-						return /* @__PURE__ */ B("g", {
+						let o = i > r || i === r && a === 1, s = `${t.path} = ${q(t.ends[a])}: ${e.value} = ${q(i)}`, c = () => n(t.members[a]);
+						return /* @__PURE__ */ z("g", {
 							class: "bar " + (a ? "upper" : "lower"),
 							role: "button",
 							tabindex: 0,
 							"aria-label": `${s}. Open this run.`,
 							onClick: c,
 							onKeyDown: (e) => e.key === "Enter" && c(),
-							children: [/* @__PURE__ */ B("rect", {
+							children: [/* @__PURE__ */ z("rect", {
 								x: Math.min(f(i), f(r)),
 								y: 5,
 								width: Math.max(Math.abs(f(i) - f(r)), 1),
-								height: sr - 10,
+								height: ur - 10,
 								"data-outcome": i,
-								children: /* @__PURE__ */ B("title", { children: s })
-							}), /* @__PURE__ */ B("text", {
+								children: /* @__PURE__ */ z("title", { children: s })
+							}), /* @__PURE__ */ z("text", {
 								x: f(i) + (o ? 4 : -4),
-								y: sr / 2 + 4,
+								y: ur / 2 + 4,
 								"text-anchor": o ? "start" : "end",
-								children: K(t.ends[a])
+								children: q(t.ends[a])
 							})]
 						});
 					})]
 				})),
-				/* @__PURE__ */ B("line", {
+				/* @__PURE__ */ z("line", {
 					class: "middle",
 					x1: f(r),
 					x2: f(r),
-					y1: ar - 4,
-					y2: s - or
+					y1: cr - 4,
+					y2: s - lr
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					x: f(r),
-					y: ar - 9,
+					y: cr - 9,
 					"text-anchor": "middle",
-					children: K(r)
+					children: q(r)
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					class: "what",
 					x: (a + i - o) / 2,
 					y: s - 6,
 					"text-anchor": "middle",
-					children: Vn(e.value, e.unit)
+					children: Wn(e.value, e.unit)
 				})
 			]
-		}), /* @__PURE__ */ B("figcaption", { children: [/* @__PURE__ */ B("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [/* @__PURE__ */ z("span", {
 			class: "key",
-			children: [/* @__PURE__ */ B("i", { class: "lower" }), " lower end of the factor"]
-		}), /* @__PURE__ */ B("span", {
+			children: [/* @__PURE__ */ z("i", { class: "lower" }), " lower end of the factor"]
+		}), /* @__PURE__ */ z("span", {
 			class: "key",
-			children: [/* @__PURE__ */ B("i", { class: "upper" }), " upper end"]
+			children: [/* @__PURE__ */ z("i", { class: "upper" }), " upper end"]
 		})] })]
 	});
 }
-function ur({ found: e, wide: t }) {
-	let n = Math.min(t, 820), r = cr(e.rows.map((e) => e.path), n), [i, a] = [64, ar + sr * e.rows.length + or], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
-	if (!o.length) return /* @__PURE__ */ B("p", {
+function pr({ found: e, wide: t }) {
+	let n = Math.min(t, 820), r = dr(e.rows.map((e) => e.path), n), [i, a] = [64, cr + ur * e.rows.length + lr], o = e.rows.flatMap((e) => [e.first, e.total].flatMap(([e, t]) => e === null ? [] : [e - (t ?? 0), e + (t ?? 0)]));
+	if (!o.length) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "The outcome does not vary."
 	});
-	let [s, c] = Rn([0, ...o]), l = In(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
-	return /* @__PURE__ */ B("figure", {
+	let [s, c] = Vn([0, ...o]), l = zn(s, Math.max(c, .1) * 1.02, !1, Math.max(2, Math.round((n - r - i) / 90))), u = (e) => r + l.part(e) * (n - r - i);
+	return /* @__PURE__ */ z("figure", {
 		class: "bars",
 		"data-view": "sobol",
-		children: [/* @__PURE__ */ B("svg", {
+		children: [/* @__PURE__ */ z("svg", {
 			width: n,
 			height: a,
 			role: "img",
-			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${K(e.first[0])}, with others ${K(e.total[0])}`).join("; ")}`,
+			"aria-label": `Parts of the variance of ${e.value}: ${e.rows.map((e) => `${e.path} alone ${q(e.first[0])}, with others ${q(e.total[0])}`).join("; ")}`,
 			children: [
-				l.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
+				l.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 					class: "grid",
 					x1: u(e),
 					x2: u(e),
-					y1: ar,
-					y2: a - or
-				}), /* @__PURE__ */ B("text", {
+					y1: cr,
+					y2: a - lr
+				}), /* @__PURE__ */ z("text", {
 					x: u(e),
-					y: a - or + 15,
+					y: a - lr + 15,
 					"text-anchor": "middle",
-					children: K(e)
+					children: q(e)
 				})] })),
-				e.rows.map((e, t) => /* @__PURE__ */ B("g", {
-					transform: `translate(0,${ar + t * sr})`,
+				e.rows.map((e, t) => /* @__PURE__ */ z("g", {
+					transform: `translate(0,${cr + t * ur})`,
 					"data-factor": e.path,
-					children: [/* @__PURE__ */ B("text", {
+					children: [/* @__PURE__ */ z("text", {
 						class: "what",
 						x: r - 8,
-						y: sr / 2 + 4,
+						y: ur / 2 + 4,
 						"text-anchor": "end",
 						children: e.path
 					}), [e.first, e.total].map(([e, t], n) => {
 						if (e === null) return null;
 						let r = 5 + n * 13, i = Math.max(u(e), u(e + (t ?? 0)));
-						return /* @__PURE__ */ B("g", {
+						return /* @__PURE__ */ z("g", {
 							class: "bar still " + (n ? "upper" : "lower"),
 							children: [
-								/* @__PURE__ */ B("rect", {
+								/* @__PURE__ */ z("rect", {
 									x: Math.min(u(e), u(0)),
 									y: r,
 									width: Math.abs(u(e) - u(0)),
 									height: 11,
 									"data-index": e
 								}),
-								t !== null && /* @__PURE__ */ B("path", {
+								t !== null && /* @__PURE__ */ z("path", {
 									class: "whisker",
 									d: `M${u(e - t)},${r + 2}v7m0,-3.5H${u(e + t)}m0,-3.5v7`
 								}),
-								/* @__PURE__ */ B("text", {
+								/* @__PURE__ */ z("text", {
 									x: i + 5,
 									y: r + 9,
-									children: K(+e.toFixed(3))
+									children: q(+e.toFixed(3))
 								})
 							]
 						});
 					})]
 				})),
-				/* @__PURE__ */ B("line", {
+				/* @__PURE__ */ z("line", {
 					class: "middle",
 					x1: u(0),
 					x2: u(0),
-					y1: ar - 4,
-					y2: a - or
+					y1: cr - 4,
+					y2: a - lr
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					class: "what",
 					x: (r + n - i) / 2,
 					y: a - 6,
@@ -4088,16 +4100,16 @@ function ur({ found: e, wide: t }) {
 					children: ["part of the variance of ", e.value]
 				})
 			]
-		}), /* @__PURE__ */ B("figcaption", { children: [
-			/* @__PURE__ */ B("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ B("i", { class: "lower" }), " alone"]
+				children: [/* @__PURE__ */ z("i", { class: "lower" }), " alone"]
 			}),
-			/* @__PURE__ */ B("span", {
+			/* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ B("i", { class: "upper" }), " with others"]
+				children: [/* @__PURE__ */ z("i", { class: "upper" }), " with others"]
 			}),
-			/* @__PURE__ */ B("small", { children: [
+			/* @__PURE__ */ z("small", { children: [
 				e.points,
 				" points, 95 % intervals",
 				e.leftOut > 0 && `; ${e.leftOut} left out: a run failed`
@@ -4106,18 +4118,18 @@ function ur({ found: e, wide: t }) {
 	});
 }
 // src/outcomes.tsx
-var [dr, fr, pr, mr] = [
+var [mr, hr, gr, _r] = [
 	66,
 	12,
 	10,
 	38
-], hr = 14;
-function gr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
-	let s = bt(null), [c, l] = H(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - dr - fr, f - pr - mr], h = Ln(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Ln(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
+], vr = 14;
+function yr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o }) {
+	let s = St(null), [c, l] = V(null), u = t > 620, [d, f] = [Math.max(t - (u ? 230 : 0), 160), n], [p, m] = [d - mr - hr, f - gr - _r], h = Bn(e.x, e.across, Math.max(2, Math.round(p / 90))), g = Bn(e.y, e.up, Math.max(2, Math.round(m / 50))), _ = e.across.length, v = e.x.edges && e.y.edges ? {
 		x: e.x.edges,
 		y: e.y.edges
-	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Rn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Un(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : K(e.number[t]);
-	yt(() => {
+	} : null, y = (e) => h.part(e) * p, b = (e) => (1 - g.part(e)) * m, x = (t) => v ? [e.across[t % _], e.up[Math.floor(t / _)]] : [e.across[t], e.up[t]], S = e.number.filter((e) => e !== null), [C, w] = Vn(S), T = (t) => t === null ? e.none : e.names.length ? e.inks[t] : Kn(w > C ? (t - C) / (w - C) : .5), E = (t) => e.number[t] === null ? "no value" : e.names.length ? e.names[e.number[t]] : q(e.number[t]);
+	H(() => {
 		let t = s.current, n = t?.getContext("2d");
 		if (!t || !n) return;
 		let r = devicePixelRatio || 1;
@@ -4145,7 +4157,7 @@ function gr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 			let [t, n] = [v.x.findIndex((e) => y(e) > r) - 1, v.y.findIndex((e) => b(e) < i) - 1], a = n * _ + t;
 			return t >= 0 && n >= 0 && e.members[a] >= 0 ? a : null;
 		}
-		let [a, o] = [-1, hr ** 2];
+		let [a, o] = [-1, vr ** 2];
 		return e.members.forEach((e, t) => {
 			let [n, s] = x(t), c = n === null || s === null ? Infinity : (y(n) - r) ** 2 + (b(s) - i) ** 2;
 			c < o && ([a, o] = [t, c]);
@@ -4164,21 +4176,21 @@ function gr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 		e.members[r] >= 0 && a(e.members[r]);
 	}, A = e.members.filter((e, t) => e >= 0 && !v && x(t).includes(null)).length, j = c ?? (O < 0 ? null : O), ee = (t) => {
 		let [n, r] = x(t);
-		return `run ${e.members[t]}: ${e.x.name} = ${K(n)}, ${e.y.name} = ${K(r)}, ${e.value} = ${E(t)}`;
+		return `run ${e.members[t]}: ${e.x.name} = ${q(n)}, ${e.y.name} = ${q(r)}, ${e.value} = ${E(t)}`;
 	}, [te, ne] = O < 0 ? [null, null] : x(O);
-	return /* @__PURE__ */ B("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "outcomes" + (u ? " beside" : ""),
 		"data-view": e.view,
-		children: [/* @__PURE__ */ B("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "area",
 			style: `width: ${d}px; height: ${f}px`,
 			tabindex: 0,
 			role: "group",
 			"aria-label": `${e.value} over ${e.x.name} and ${e.y.name}, ${v ? "cells" : "points"}. Arrows choose a run, Enter opens it.`,
 			onKeyDown: k,
-			children: [/* @__PURE__ */ B("canvas", {
+			children: [/* @__PURE__ */ z("canvas", {
 				ref: s,
-				style: `left: ${dr}px; top: ${pr}px; width: ${p}px; height: ${m}px`,
+				style: `left: ${mr}px; top: ${gr}px; width: ${p}px; height: ${m}px`,
 				"data-span": JSON.stringify([
 					h.low,
 					h.high,
@@ -4191,115 +4203,115 @@ function gr({ found: e, wide: t, high: n, dark: r, chosen: i, choose: a, open: o
 					let n = D(t);
 					n !== null && (a(e.members[n]), o(e.members[n]));
 				}
-			}), /* @__PURE__ */ B("svg", {
+			}), /* @__PURE__ */ z("svg", {
 				width: d,
 				height: f,
 				role: "img",
-				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${K(C)} to ${K(w)} ${e.unit}`}`,
+				"aria-label": `${e.value}: ${e.names.length ? e.names.join("; ") : `${q(C)} to ${q(w)} ${e.unit}`}`,
 				children: [
-					/* @__PURE__ */ B("rect", {
+					/* @__PURE__ */ z("rect", {
 						class: "box",
-						x: dr,
-						y: pr,
+						x: mr,
+						y: gr,
 						width: p,
 						height: m
 					}),
-					h.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
+					h.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: dr + y(e),
-						x2: dr + y(e),
-						y1: pr + m,
-						y2: pr + m + 4
-					}), /* @__PURE__ */ B("text", {
-						x: dr + y(e),
-						y: pr + m + 15,
+						x1: mr + y(e),
+						x2: mr + y(e),
+						y1: gr + m,
+						y2: gr + m + 4
+					}), /* @__PURE__ */ z("text", {
+						x: mr + y(e),
+						y: gr + m + 15,
 						"text-anchor": "middle",
-						children: K(e)
+						children: q(e)
 					})] })),
-					g.ticks.map((e) => /* @__PURE__ */ B("g", { children: [/* @__PURE__ */ B("line", {
+					g.ticks.map((e) => /* @__PURE__ */ z("g", { children: [/* @__PURE__ */ z("line", {
 						class: "tick",
-						x1: dr - 4,
-						x2: dr,
-						y1: pr + b(e),
-						y2: pr + b(e)
-					}), /* @__PURE__ */ B("text", {
-						x: dr - 7,
-						y: pr + b(e) + 3.5,
+						x1: mr - 4,
+						x2: mr,
+						y1: gr + b(e),
+						y2: gr + b(e)
+					}), /* @__PURE__ */ z("text", {
+						x: mr - 7,
+						y: gr + b(e) + 3.5,
 						"text-anchor": "end",
-						children: K(e)
+						children: q(e)
 					})] })),
-					/* @__PURE__ */ B("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						x: dr + p / 2,
+						x: mr + p / 2,
 						y: f - 6,
 						"text-anchor": "middle",
-						children: Vn(e.x.name, e.x.unit)
+						children: Wn(e.x.name, e.x.unit)
 					}),
-					/* @__PURE__ */ B("text", {
+					/* @__PURE__ */ z("text", {
 						class: "what",
-						transform: `translate(12,${pr + m / 2}) rotate(-90)`,
+						transform: `translate(12,${gr + m / 2}) rotate(-90)`,
 						"text-anchor": "middle",
-						children: Vn(e.y.name, e.y.unit)
+						children: Wn(e.y.name, e.y.unit)
 					}),
-					te !== null && ne !== null && /* @__PURE__ */ B("circle", {
+					te !== null && ne !== null && /* @__PURE__ */ z("circle", {
 						class: "chosen",
-						cx: dr + y(te),
-						cy: pr + b(ne),
+						cx: mr + y(te),
+						cy: gr + b(ne),
 						r: 7
 					})
 				]
 			})]
-		}), /* @__PURE__ */ B("figcaption", { children: [
-			/* @__PURE__ */ B("b", { children: Vn(e.value, e.unit) }),
-			e.names.map((t, n) => /* @__PURE__ */ B("span", {
+		}), /* @__PURE__ */ z("figcaption", { children: [
+			/* @__PURE__ */ z("b", { children: Wn(e.value, e.unit) }),
+			e.names.map((t, n) => /* @__PURE__ */ z("span", {
 				class: "key",
 				children: [
-					/* @__PURE__ */ B("i", { style: `background: ${e.inks[n]}` }),
+					/* @__PURE__ */ z("i", { style: `background: ${e.inks[n]}` }),
 					" ",
 					t
 				]
 			})),
-			!e.names.length && S.length > 0 && /* @__PURE__ */ B("span", {
+			!e.names.length && S.length > 0 && /* @__PURE__ */ z("span", {
 				class: "bar",
 				children: [
-					/* @__PURE__ */ B("i", { style: `background: linear-gradient(to right, ${Wn})` }),
-					/* @__PURE__ */ B("span", { children: K(C) }),
-					/* @__PURE__ */ B("span", { children: K(w) })
+					/* @__PURE__ */ z("i", { style: `background: linear-gradient(to right, ${qn})` }),
+					/* @__PURE__ */ z("span", { children: q(C) }),
+					/* @__PURE__ */ z("span", { children: q(w) })
 				]
 			}),
-			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ B("span", {
+			!e.names.length && e.members.some((t, n) => t >= 0 && e.number[n] === null) && /* @__PURE__ */ z("span", {
 				class: "key",
-				children: [/* @__PURE__ */ B("i", { style: `background: ${e.none}` }), " no value"]
+				children: [/* @__PURE__ */ z("i", { style: `background: ${e.none}` }), " no value"]
 			}),
-			e.members.length < e.all && /* @__PURE__ */ B("small", { children: [
+			e.members.length < e.all && /* @__PURE__ */ z("small", { children: [
 				e.members.length,
 				" of ",
 				e.all,
 				" runs are drawn"
 			] }),
-			A > 0 && /* @__PURE__ */ B("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
-			/* @__PURE__ */ B("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
+			A > 0 && /* @__PURE__ */ z("small", { children: [A === 1 ? "1 run has" : `${A} runs have`, " no value for an axis"] }),
+			/* @__PURE__ */ z("output", { children: j !== null && e.members[j] >= 0 ? ee(j) : "" })
 		] })]
 	});
 }
 // src/planned.tsx
-var _r = [
+var br = [
 	["map", "Map"],
 	["scatter", "Scatter"],
 	["family", "Curves"],
 	["tornado", "Tornado"],
 	["sobol", "Sobol indices"],
 	["table", "Table"]
-], vr = 92, yr = "(max-width: 760px)", br = 500, xr = 4;
-function Sr({ store: e, state: t, plan: n }) {
+], xr = 92, Sr = "(max-width: 760px)", Cr = 500, wr = 4;
+function Tr({ store: e, state: t, plan: n }) {
 	let { choice: r, chosen: i } = t.looked?.plan === n.plan ? t.looked : {
-		choice: Ar(n),
+		choice: Nr(n),
 		chosen: null
-	}, [[a, o], s] = H([700, 340]), c = bt(null);
-	yt(() => {
+	}, [[a, o], s] = V([700, 340]), c = St(null);
+	H(() => {
 		let e = c.current;
 		if (!e) return;
-		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(yr).matches ? 0 : e.clientHeight]));
+		let t = new ResizeObserver(() => s([Math.max(260, e.clientWidth - 24), matchMedia(Sr).matches ? 0 : e.clientHeight]));
 		return t.observe(e), () => t.disconnect();
 	}, []);
 	let l = (t) => e.set({ looked: {
@@ -4313,62 +4325,62 @@ function Sr({ store: e, state: t, plan: n }) {
 		plan: n.plan,
 		choice: r,
 		chosen: t
-	} }), d = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], f = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), p = (e, t, n) => /* @__PURE__ */ B("label", { children: [e, /* @__PURE__ */ B("select", {
+	} }), d = [...n.factors.filter((e) => e.number).map((e) => e.path), ...n.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name)], f = n.columns.filter((e) => e.kind !== "curve").map((e) => e.name), p = (e, t, n) => /* @__PURE__ */ z("label", { children: [e, /* @__PURE__ */ z("select", {
 		"aria-label": e,
 		value: r[t],
 		onChange: (e) => l({ [t]: e.currentTarget.value }),
-		children: n.map((e) => /* @__PURE__ */ B("option", { children: e }))
-	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - vr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = jr(e, n, {
+		children: n.map((e) => /* @__PURE__ */ z("option", { children: e }))
+	})] }), m = (t) => void e.openMember(t), h = o ? Math.max(o - xr, 190) : Math.round(Math.min(.8 * a, 340)), g = n.factors.map((e) => e.path), _ = n.way === "grid" && r.view === "map" ? n.factors.filter((e) => e.levels.length > 1 && e.path !== r.x && e.path !== r.y) : [], v = _.length > 0 && g.includes(r.x) && g.includes(r.y), y = v ? Object.fromEntries(_.map((e) => [e.path, r.at[e.path] ?? 0])) : {}, [b, S] = Pr(e, n, {
 		...r,
 		at: y
 	});
-	return /* @__PURE__ */ B("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "plots planned",
 		ref: c,
 		"aria-label": "Sweep",
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ B(wr, {
+					/* @__PURE__ */ z(Dr, {
 						store: e,
 						plan: n
 					}),
-					/* @__PURE__ */ B(Tr, {
+					/* @__PURE__ */ z(Or, {
 						store: e,
 						plan: n,
 						chosen: i,
 						choose: u,
 						open: m
 					}),
-					/* @__PURE__ */ B("button", {
-						onClick: () => void Mr(e, n),
+					/* @__PURE__ */ z("button", {
+						onClick: () => void Fr(e, n),
 						disabled: !n.kept,
 						children: "Table as CSV"
 					}),
-					/* @__PURE__ */ B("button", {
+					/* @__PURE__ */ z("button", {
 						onClick: () => e.set({ planShown: !1 }),
 						children: "Plots"
 					})
 				]
 			}),
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					/* @__PURE__ */ B("div", {
+					/* @__PURE__ */ z("div", {
 						class: "choices",
 						role: "group",
 						"aria-label": "Views",
-						children: _r.map(([e, t]) => /* @__PURE__ */ B("button", {
+						children: br.map(([e, t]) => /* @__PURE__ */ z("button", {
 							"aria-pressed": r.view === e,
 							onClick: () => l({
 								view: e,
-								...kr(n, e)
+								...Mr(n, e)
 							}),
 							children: t
 						}))
 					}),
-					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ B(x, { children: [
+					(r.view === "map" || r.view === "scatter") && /* @__PURE__ */ z(x, { children: [
 						p("of", "value", r.view === "map" ? f : [
 							...f,
 							"status",
@@ -4379,21 +4391,21 @@ function Sr({ store: e, state: t, plan: n }) {
 					] }),
 					r.view === "family" && p("of", "curve", n.columns.filter((e) => e.kind === "curve").map((e) => e.name)),
 					(r.view === "tornado" || r.view === "sobol") && p("of", "value", d.filter((e) => !g.includes(e))),
-					v && _.map((e) => /* @__PURE__ */ B("label", { children: [e.path, /* @__PURE__ */ B("select", {
+					v && _.map((e) => /* @__PURE__ */ z("label", { children: [e.path, /* @__PURE__ */ z("select", {
 						"aria-label": `Level of ${e.path}`,
 						value: y[e.path],
 						onChange: (t) => l({ at: {
 							...r.at,
 							[e.path]: Number(t.currentTarget.value)
 						} }),
-						children: e.levels.map((e, t) => /* @__PURE__ */ B("option", {
+						children: e.levels.map((e, t) => /* @__PURE__ */ z("option", {
 							value: t,
 							children: e
 						}))
 					})] }))
 				]
 			}),
-			n.error && /* @__PURE__ */ B("p", {
+			n.error && /* @__PURE__ */ z("p", {
 				class: "wrong",
 				children: [
 					n.error.code,
@@ -4402,35 +4414,35 @@ function Sr({ store: e, state: t, plan: n }) {
 					" ",
 					n.error.why,
 					" ",
-					/* @__PURE__ */ B("em", { children: n.error.try })
+					/* @__PURE__ */ z("em", { children: n.error.try })
 				]
 			}),
-			S ? /* @__PURE__ */ B("p", {
+			S ? /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: [
 					S.why,
 					". ",
-					Cr(n, r.view) || S.try
+					Er(n, r.view) || S.try
 				]
-			}) : b ? b.view === "table" ? /* @__PURE__ */ B(Er, {
+			}) : b ? b.view === "table" ? /* @__PURE__ */ z(kr, {
 				found: b,
 				open: m,
 				turn: (e) => l({ first: e })
-			}) : b.view === "family" ? /* @__PURE__ */ B(ir, {
+			}) : b.view === "family" ? /* @__PURE__ */ z(sr, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
 				chosen: i,
 				choose: u,
 				open: m
-			}) : b.view === "tornado" ? /* @__PURE__ */ B(lr, {
+			}) : b.view === "tornado" ? /* @__PURE__ */ z(fr, {
 				found: b,
 				wide: a,
 				open: m
-			}) : b.view === "sobol" ? /* @__PURE__ */ B(ur, {
+			}) : b.view === "sobol" ? /* @__PURE__ */ z(pr, {
 				found: b,
 				wide: a
-			}) : /* @__PURE__ */ B(gr, {
+			}) : /* @__PURE__ */ z(yr, {
 				found: b,
 				wide: Math.min(a, 4 * h),
 				high: h,
@@ -4438,48 +4450,48 @@ function Sr({ store: e, state: t, plan: n }) {
 				chosen: i,
 				choose: u,
 				open: m
-			}) : /* @__PURE__ */ B("p", {
+			}) : /* @__PURE__ */ z("p", {
 				class: "hint",
 				children: n.kept ? "…" : n.state === "running" ? "The first runs are on their way …" : "No run was done."
 			})
 		]
 	});
 }
-function Cr(e, t) {
+function Er(e, t) {
 	let n = e.way.split(":")[0];
 	return t === "tornado" && n !== "ends" ? "Draw members ‘for a tornado’." : t === "sobol" && n !== "saltelli" ? "Draw members ‘for Sobol indices’." : t === "family" && !e.columns.some((e) => e.kind === "curve") ? "Collect a curve: curve(height, 101)." : "";
 }
-function wr({ store: e, plan: t }) {
+function Dr({ store: e, plan: t }) {
 	let n = t.left === null ? "" : t.left < 1 ? ", under 1 s to go" : t.left < 120 ? `, ${Math.round(t.left)} s to go` : t.left < 7200 ? `, ${Math.round(t.left / 60)} min to go` : `, ${(t.left / 3600).toFixed(1)} h to go`, r = t.factors.map((e) => e.path).join(", ");
-	return t.state === "running" ? /* @__PURE__ */ B(x, { children: [
-		/* @__PURE__ */ B("progress", {
+	return t.state === "running" ? /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("progress", {
 			"aria-label": "Progress of the sweep",
 			max: t.members,
 			value: t.done
 		}),
-		/* @__PURE__ */ B("span", { children: [
+		/* @__PURE__ */ z("span", { children: [
 			t.done,
 			" of ",
 			t.members,
 			" runs",
 			n
 		] }),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("button", {
 			onClick: () => void e.transport.ask("plan cancel").catch(() => {}),
 			children: "Cancel"
 		})
-	] }) : /* @__PURE__ */ B("span", {
+	] }) : /* @__PURE__ */ z("span", {
 		role: "status",
 		children: [
-			/* @__PURE__ */ B("b", { children: r }),
+			/* @__PURE__ */ z("b", { children: r }),
 			": ",
 			t.state === "done" ? `${t.members} runs` : `${t.kept} of ${t.members} runs, ${t.state === "cancelled" ? "cancelled" : "stopped"}`
 		]
 	});
 }
-function Tr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
-	let [a, o] = H(null);
-	yt(() => {
+function Or({ store: e, plan: t, chosen: n, choose: r, open: i }) {
+	let [a, o] = V(null);
+	H(() => {
 		if (o(null), n === null) return;
 		let r = !1;
 		return e.transport.ask("plan member", {
@@ -4502,9 +4514,9 @@ function Tr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 		})) return;
 		await e.start();
 	};
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "plotbar one",
-		children: [/* @__PURE__ */ B("label", { children: ["run", /* @__PURE__ */ B("input", {
+		children: [/* @__PURE__ */ z("label", { children: ["run", /* @__PURE__ */ z("input", {
 			type: "number",
 			"aria-label": "Run of the sweep",
 			min: 0,
@@ -4515,64 +4527,64 @@ function Tr({ store: e, plan: t, chosen: n, choose: r, open: i }) {
 				let n = Number(e.currentTarget.value);
 				e.currentTarget.value && Number.isInteger(n) && n >= 0 && n < t.members && r(n);
 			}
-		})] }), n !== null && /* @__PURE__ */ B(x, { children: [
-			/* @__PURE__ */ B("output", { children: [
-				s.map(([e, t]) => `${e} = ${Or(t)}`).join(", "),
-				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${Dr(a.row[e.name])}`).join(""),
+		})] }), n !== null && /* @__PURE__ */ z(x, { children: [
+			/* @__PURE__ */ z("output", { children: [
+				s.map(([e, t]) => `${e} = ${jr(t)}`).join(", "),
+				a?.row && t.columns.filter((e) => e.kind !== "curve").map((e) => `; ${e.name} = ${Ar(a.row[e.name])}`).join(""),
 				a?.row?.code && `; ${a.row.status}: ${a.row.code} ${a.row.message}`
 			] }),
-			/* @__PURE__ */ B("button", {
+			/* @__PURE__ */ z("button", {
 				onClick: () => i(n),
 				children: "Open"
 			}),
-			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ B("button", {
+			s.length > 0 && s.every(([e]) => e in c) && /* @__PURE__ */ z("button", {
 				onClick: () => void l(),
 				children: "Take these values"
 			})
 		] })]
 	});
 }
-function Er({ found: e, open: t, turn: n }) {
+function kr({ found: e, open: t, turn: n }) {
 	let r = e.columns.map((e, t) => t).filter((t) => t === 0 || ![
 		"code",
 		"message",
 		"warnings"
 	].includes(e.columns[t].name) || e.rows.some((e) => e[t])), i = new Set(r.filter((t) => e.rows.some((e) => typeof e[t] == "number"))), a = e.first + e.rows.length;
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "rows",
-		children: [/* @__PURE__ */ B("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "tables",
 			tabindex: 0,
 			role: "region",
 			"aria-label": "Table of the sweep",
-			children: /* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: r.map((t) => /* @__PURE__ */ B("th", {
+			children: /* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: r.map((t) => /* @__PURE__ */ z("th", {
 				scope: "col",
 				class: i.has(t) ? "figure" : "",
 				children: [e.columns[t].name, e.columns[t].unit && ` [${e.columns[t].unit}]`]
-			})) }) }), /* @__PURE__ */ B("tbody", { children: e.rows.map((e) => /* @__PURE__ */ B("tr", { children: r.map((n) => /* @__PURE__ */ B("td", {
+			})) }) }), /* @__PURE__ */ z("tbody", { children: e.rows.map((e) => /* @__PURE__ */ z("tr", { children: r.map((n) => /* @__PURE__ */ z("td", {
 				class: i.has(n) ? "figure" : "",
-				children: n === 0 ? /* @__PURE__ */ B("button", {
+				children: n === 0 ? /* @__PURE__ */ z("button", {
 					class: "link",
 					onClick: () => t(Number(e[0])),
 					children: e[0]
-				}) : Dr(e[n])
+				}) : Ar(e[n])
 			})) })) })] })
-		}), /* @__PURE__ */ B("div", {
+		}), /* @__PURE__ */ z("div", {
 			class: "plotbar",
 			children: [
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: !e.first,
 					onClick: () => n(Math.max(e.first - 200, 0)),
 					children: "Before"
 				}),
-				/* @__PURE__ */ B("span", { children: [
+				/* @__PURE__ */ z("span", { children: [
 					e.first,
 					" to ",
 					a - 1,
 					" of ",
 					e.kept
 				] }),
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					disabled: a >= e.kept,
 					onClick: () => n(a),
 					children: "After"
@@ -4581,14 +4593,14 @@ function Er({ found: e, open: t, turn: n }) {
 		})]
 	});
 }
-function Dr(e) {
-	return typeof e == "number" ? K(e) : e ?? "none";
+function Ar(e) {
+	return typeof e == "number" ? q(e) : e ?? "none";
 }
-function Or(e) {
+function jr(e) {
 	let [t, ...n] = String(e).split(" ");
-	return Number.isFinite(Number(t)) ? [K(Number(t)), ...n].join(" ") : String(e);
+	return Number.isFinite(Number(t)) ? [q(Number(t)), ...n].join(" ") : String(e);
 }
-function kr(e, t) {
+function Mr(e, t) {
 	let n = e.factors.filter((e) => e.number).map((e) => e.path), r = e.columns.filter((e) => e.kind === "number" || e.kind === "whole").map((e) => e.name), i = e.columns.filter((e) => e.kind === "text").map((e) => e.name), [a = "", o = n[0] ?? ""] = n;
 	switch (t) {
 		case "map": return {
@@ -4605,7 +4617,7 @@ function kr(e, t) {
 		default: return { value: r[0] ?? "" };
 	}
 }
-function Ar(e) {
+function Nr(e) {
 	let t = e.way.split(":")[0], n = e.columns.find((e) => e.kind === "curve"), r = e.factors.filter((e) => e.number).length, i = t === "ends" ? "tornado" : t === "saltelli" ? "sobol" : n && (r < 2 || e.columns.length === 1) ? "family" : r < 2 ? "scatter" : "map";
 	return {
 		view: i,
@@ -4615,19 +4627,19 @@ function Ar(e) {
 		curve: "",
 		at: {},
 		first: 0,
-		...kr(e, i)
+		...Mr(e, i)
 	};
 }
-function jr(e, t, n) {
-	let [r, i] = H({
+function Pr(e, t, n) {
+	let [r, i] = V({
 		key: "",
 		seen: null,
 		refused: null
-	}), a = JSON.stringify([t.plan, n]), o = bt({
+	}), a = JSON.stringify([t.plan, n]), o = St({
 		key: "",
 		kept: -1,
 		ended: !1
-	}), s = bt(!1), c = bt(!1), l = async () => {
+	}), s = St(!1), c = St(!1), l = async () => {
 		if (s.current) return;
 		s.current = !0;
 		let t = "";
@@ -4653,14 +4665,14 @@ function jr(e, t, n) {
 					refused: t
 				});
 			}
-			let c = n.key === o.current.key, l = Math.max(br, xr * (performance.now() - s));
+			let c = n.key === o.current.key, l = Math.max(Cr, wr * (performance.now() - s));
 			c && !o.current.ended && await new Promise((e) => setTimeout(e, l));
 		}
 		s.current = !1;
 	};
-	return yt(() => (c.current = !1, () => {
+	return H(() => (c.current = !1, () => {
 		c.current = !0;
-	}), []), yt(() => {
+	}), []), H(() => {
 		o.current = {
 			key: a,
 			kept: t.kept,
@@ -4672,7 +4684,7 @@ function jr(e, t, n) {
 		t.state
 	]), [r.seen && JSON.parse(r.key || "[]")[0] === t.plan && r.seen.view === n.view ? r.seen : null, r.key === a ? r.refused : null];
 }
-async function Mr(e, t) {
+async function Fr(e, t) {
 	try {
 		let { text: n, name: r } = await e.transport.ask("plan csv", { plan: t.plan }), i = document.createElement("a");
 		i.href = URL.createObjectURL(new Blob([n], { type: "text/csv" })), i.download = r, i.click(), URL.revokeObjectURL(i.href);
@@ -4681,65 +4693,65 @@ async function Mr(e, t) {
 	}
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var Nr = !0, Pr = "uplot", Fr = "u-hz", Ir = "u-vt", Lr = "u-title", Rr = "u-wrap", zr = "u-under", Br = "u-over", Vr = "u-axis", Hr = "u-off", Ur = "u-select", Wr = "u-cursor-x", Gr = "u-cursor-y", Kr = "u-cursor-pt", qr = "u-legend", Jr = "u-live", Yr = "u-inline", Xr = "u-series", Zr = "u-marker", Qr = "u-label", $r = "u-value", ei = "width", ti = "height", ni = "top", ri = "bottom", ii = "left", ai = "right", oi = "#000", si = "#0000", ci = "mousemove", li = "mousedown", ui = "mouseup", di = "mouseenter", fi = "mouseleave", pi = "dblclick", mi = "resize", hi = "scroll", gi = "change", _i = "dppxchange", vi = "--", yi = typeof window < "u", bi = yi ? document : null, xi = yi ? window : null, Si = yi ? navigator : null, q, Ci;
-function wi() {
+var Ir = !0, Lr = "uplot", Rr = "u-hz", zr = "u-vt", Br = "u-title", Vr = "u-wrap", Hr = "u-under", Ur = "u-over", Wr = "u-axis", Gr = "u-off", Kr = "u-select", qr = "u-cursor-x", Jr = "u-cursor-y", Yr = "u-cursor-pt", Xr = "u-legend", Zr = "u-live", Qr = "u-inline", $r = "u-series", ei = "u-marker", ti = "u-label", ni = "u-value", ri = "width", ii = "height", ai = "top", oi = "bottom", si = "left", ci = "right", li = "#000", ui = "#0000", di = "mousemove", fi = "mousedown", pi = "mouseup", mi = "mouseenter", hi = "mouseleave", gi = "dblclick", _i = "resize", vi = "scroll", yi = "change", bi = "dppxchange", xi = "--", Si = typeof window < "u", Ci = Si ? document : null, wi = Si ? window : null, Ti = Si ? navigator : null, J, Ei;
+function Di() {
 	let e = devicePixelRatio;
-	q != e && (q = e, Ci && Ri(gi, Ci, wi), Ci = matchMedia(`(min-resolution: ${q - .001}dppx) and (max-resolution: ${q + .001}dppx)`), Li(gi, Ci, wi), xi.dispatchEvent(new CustomEvent(_i)));
+	J != e && (J = e, Ei && Hi(yi, Ei, Di), Ei = matchMedia(`(min-resolution: ${J - .001}dppx) and (max-resolution: ${J + .001}dppx)`), Vi(yi, Ei, Di), wi.dispatchEvent(new CustomEvent(bi)));
 }
-function Ti(e, t) {
+function Oi(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function Ei(e, t) {
+function ki(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function J(e, t, n) {
+function Ai(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Di(e, t, n, r) {
-	let i = bi.createElement(e);
-	return t != null && Ti(i, t), n?.insertBefore(i, r), i;
+function ji(e, t, n, r) {
+	let i = Ci.createElement(e);
+	return t != null && Oi(i, t), n?.insertBefore(i, r), i;
 }
-function Oi(e, t) {
-	return Di("div", e, t);
-}
-var ki = /* @__PURE__ */ new WeakMap();
-function Ai(e, t, n, r, i) {
-	let a = "translate(" + t + "px," + n + "px)";
-	a != ki.get(e) && (e.style.transform = a, ki.set(e, a), t < 0 || n < 0 || t > r || n > i ? Ti(e, Hr) : Ei(e, Hr));
-}
-var ji = /* @__PURE__ */ new WeakMap();
-function Mi(e, t, n) {
-	let r = t + n;
-	r != ji.get(e) && (ji.set(e, r), e.style.background = t, e.style.borderColor = n);
+function Mi(e, t) {
+	return ji("div", e, t);
 }
 var Ni = /* @__PURE__ */ new WeakMap();
-function Pi(e, t, n, r) {
-	let i = t + "" + n;
-	i != Ni.get(e) && (Ni.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+function Pi(e, t, n, r, i) {
+	let a = "translate(" + t + "px," + n + "px)";
+	a != Ni.get(e) && (e.style.transform = a, Ni.set(e, a), t < 0 || n < 0 || t > r || n > i ? Oi(e, Gr) : ki(e, Gr));
 }
-var Fi = { passive: !0 }, Ii = {
-	...Fi,
+var Fi = /* @__PURE__ */ new WeakMap();
+function Ii(e, t, n) {
+	let r = t + n;
+	r != Fi.get(e) && (Fi.set(e, r), e.style.background = t, e.style.borderColor = n);
+}
+var Li = /* @__PURE__ */ new WeakMap();
+function Ri(e, t, n, r) {
+	let i = t + "" + n;
+	i != Li.get(e) && (Li.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+}
+var zi = { passive: !0 }, Bi = {
+	...zi,
 	capture: !0
 };
-function Li(e, t, n, r) {
-	t.addEventListener(e, n, r ? Ii : Fi);
+function Vi(e, t, n, r) {
+	t.addEventListener(e, n, r ? Bi : zi);
 }
-function Ri(e, t, n, r) {
-	t.removeEventListener(e, n, Fi);
+function Hi(e, t, n, r) {
+	t.removeEventListener(e, n, zi);
 }
-yi && wi();
-function zi(e, t, n, r) {
+Si && Di();
+function Ui(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : oa((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : ua((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Bi(e) {
+function Wi(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -4753,9 +4765,9 @@ function Bi(e) {
 		return [i, a];
 	};
 }
-var Vi = (e) => e != null, Hi = (e) => e != null && e > 0, Ui = Bi(Vi), Wi = Bi(Hi);
-function Gi(e, t, n, r = 0, i = !1) {
-	let a = i ? Wi : Ui, o = i ? Hi : Vi;
+var Gi = (e) => e != null, Ki = (e) => e != null && e > 0, qi = Wi(Gi), Ji = Wi(Ki);
+function Yi(e, t, n, r = 0, i = !1) {
+	let a = i ? Ji : qi, o = i ? Ki : Gi;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -4766,106 +4778,106 @@ function Gi(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? _a, c ?? -_a];
+	return [s ?? xa, c ?? -xa];
 }
-function Ki(e, t, n, r) {
-	let i = fa(e), a = fa(t);
+function Xi(e, t, n, r) {
+	let i = ga(e), a = ga(t);
 	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? pa : ma, s = i == 1 ? oa : ca, c = a == 1 ? ca : oa, l = s(o(aa(e))), u = c(o(aa(t))), d = da(n, l), f = da(n, u);
-	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = ja(e, d), t = Aa(t, f)), [e, t];
+	let o = n == 10 ? _a : va, s = i == 1 ? ua : fa, c = a == 1 ? fa : ua, l = s(o(la(e))), u = c(o(la(t))), d = ha(n, l), f = ha(n, u);
+	return n == 10 && (l < 0 && (d = Z(d, -l)), u < 0 && (f = Z(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Fa(e, d), t = Pa(t, f)), [e, t];
 }
-function qi(e, t, n, r) {
-	let i = Ki(e, t, n, r);
+function Zi(e, t, n, r) {
+	let i = Xi(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Ji = .1, Yi = {
+var Qi = .1, $i = {
 	mode: 3,
-	pad: Ji
-}, Xi = {
+	pad: Qi
+}, ea = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Zi = {
-	min: Xi,
-	max: Xi
+}, ta = {
+	min: ea,
+	max: ea
 };
-function Qi(e, t, n, r) {
-	return Ha(n) ? ea(e, t, n) : (Xi.pad = n, Xi.soft = r ? 0 : null, Xi.mode = r ? 3 : 0, ea(e, t, Zi));
+function na(e, t, n, r) {
+	return Ka(n) ? ia(e, t, n) : (ea.pad = n, ea.soft = r ? 0 : null, ea.mode = r ? 3 : 0, ia(e, t, ta));
 }
 function Y(e, t) {
 	return e ?? t;
 }
-function $i(e, t, n) {
+function ra(e, t, n) {
 	for (t = Y(t, 0), n = Y(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function ea(e, t, n) {
-	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -_a), c = Y(i.hard, _a), l = Y(r.soft, _a), u = Y(i.soft, -_a), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = pa(p), h = ua(aa(e), aa(t)), g = aa(pa(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != _a && (a = 0), f == 2 && u != -_a && (o = 0)));
-	let _ = p || h || 1e3, v = da(10, oa(pa(_))), y = Z(ja(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : _a, x = ua(s, y < b && e >= b ? b : la(b, y)), S = Z(Aa(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -_a, w = la(c, S > C && t <= C ? C : ua(C, S));
+function ia(e, t, n) {
+	let r = n.min, i = n.max, a = Y(r.pad, 0), o = Y(i.pad, 0), s = Y(r.hard, -xa), c = Y(i.hard, xa), l = Y(r.soft, xa), u = Y(i.soft, -xa), d = Y(r.mode, 0), f = Y(i.mode, 0), p = t - e, m = _a(p), h = ma(la(e), la(t)), g = la(_a(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != xa && (a = 0), f == 2 && u != -xa && (o = 0)));
+	let _ = p || h || 1e3, v = ha(10, ua(_a(_))), y = Z(Fa(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : xa, x = ma(s, y < b && e >= b ? b : pa(b, y)), S = Z(Pa(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -xa, w = pa(c, S > C && t <= C ? C : ma(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var ta = new Intl.NumberFormat(yi ? Si.language : "en-US"), na = (e) => ta.format(e), ra = Math, ia = ra.PI, aa = ra.abs, oa = ra.floor, sa = ra.round, ca = ra.ceil, la = ra.min, ua = ra.max, da = ra.pow, fa = ra.sign, pa = ra.log10, ma = ra.log2, ha = (e, t = 1) => ra.sinh(e) * t, ga = (e, t = 1) => ra.asinh(e / t), _a = Infinity;
-function va(e) {
-	return (pa((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var aa = new Intl.NumberFormat(Si ? Ti.language : "en-US"), oa = (e) => aa.format(e), sa = Math, ca = sa.PI, la = sa.abs, ua = sa.floor, da = sa.round, fa = sa.ceil, pa = sa.min, ma = sa.max, ha = sa.pow, ga = sa.sign, _a = sa.log10, va = sa.log2, ya = (e, t = 1) => sa.sinh(e) * t, ba = (e, t = 1) => sa.asinh(e / t), xa = Infinity;
+function Sa(e) {
+	return (_a((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function ya(e, t, n) {
-	return la(ua(e, t), n);
+function Ca(e, t, n) {
+	return pa(ma(e, t), n);
 }
-function ba(e) {
+function wa(e) {
 	return typeof e == "function";
 }
 function X(e) {
-	return ba(e) ? e : () => e;
+	return wa(e) ? e : () => e;
 }
-var xa = () => {}, Sa = (e) => e, Ca = (e, t) => t, wa = (e) => null, Ta = (e) => !0, Ea = (e, t) => e == t, Da = /\.\d*?(?=9{6,}|0{6,})/gm, Oa = (e) => {
-	if (za(e) || Ma.has(e)) return e;
-	let t = `${e}`, n = t.match(Da);
+var Ta = () => {}, Ea = (e) => e, Da = (e, t) => t, Oa = (e) => null, ka = (e) => !0, Aa = (e, t) => e == t, ja = /\.\d*?(?=9{6,}|0{6,})/gm, Ma = (e) => {
+	if (Ua(e) || Ia.has(e)) return e;
+	let t = `${e}`, n = t.match(ja);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${Oa(e)}e${n}`;
+		return +`${Ma(e)}e${n}`;
 	}
 	return Z(e, r);
 };
-function ka(e, t) {
-	return Oa(Z(Oa(e / t)) * t);
+function Na(e, t) {
+	return Ma(Z(Ma(e / t)) * t);
 }
-function Aa(e, t) {
-	return Oa(ca(Oa(e / t)) * t);
+function Pa(e, t) {
+	return Ma(fa(Ma(e / t)) * t);
 }
-function ja(e, t) {
-	return Oa(oa(Oa(e / t)) * t);
+function Fa(e, t) {
+	return Ma(ua(Ma(e / t)) * t);
 }
 function Z(e, t = 0) {
-	if (za(e)) return e;
+	if (Ua(e)) return e;
 	let n = 10 ** t;
-	return sa(e * n * (1 + 2 ** -52)) / n;
+	return da(e * n * (1 + 2 ** -52)) / n;
 }
-var Ma = /* @__PURE__ */ new Map();
-function Na(e) {
+var Ia = /* @__PURE__ */ new Map();
+function La(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Pa(e, t, n, r) {
-	let i = [], a = r.map(Na);
+function Ra(e, t, n, r) {
+	let i = [], a = r.map(La);
 	for (let o = t; o < n; o++) {
-		let t = aa(o), n = Z(da(e, o), t);
+		let t = la(o), n = Z(ha(e, o), t);
 		for (let s = 0; s < r.length; s++) {
 			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Z(c, l);
-			i.push(u), Ma.set(u, l);
+			i.push(u), Ia.set(u, l);
 		}
 	}
 	return i;
 }
-var Fa = {}, Ia = [], La = [null, null], Ra = Array.isArray, za = Number.isInteger, Ba = (e) => e === void 0;
-function Va(e) {
+var za = {}, Ba = [], Va = [null, null], Ha = Array.isArray, Ua = Number.isInteger, Wa = (e) => e === void 0;
+function Ga(e) {
 	return typeof e == "string";
 }
-function Ha(e) {
+function Ka(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -4873,35 +4885,35 @@ function Ha(e) {
 	}
 	return t;
 }
-function Ua(e) {
+function qa(e) {
 	return typeof e == "object" && !!e;
 }
-var Wa = Object.getPrototypeOf(Uint8Array), Ga = "__proto__";
-function Ka(e, t = Ha) {
+var Ja = Object.getPrototypeOf(Uint8Array), Ya = "__proto__";
+function Xa(e, t = Ka) {
 	let n;
-	if (Ra(e)) {
+	if (Ha(e)) {
 		let r = e.find((e) => e != null);
-		if (Ra(r) || t(r)) {
+		if (Ha(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Ka(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Xa(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Wa) n = e.slice();
+	} else if (e instanceof Ja) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Ga && (n[r] = Ka(e[r], t));
+		for (let r in e) r != Ya && (n[r] = Xa(e[r], t));
 	} else n = e;
 	return n;
 }
-function qa(e) {
+function Za(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Ga && (Ha(e[t]) ? qa(e[t], Ka(r[t])) : e[t] = Ka(r[t]));
+		for (let t in r) t != Ya && (Ka(e[t]) ? Za(e[t], Xa(r[t])) : e[t] = Xa(r[t]));
 	}
 	return e;
 }
-var Ja = 0, Ya = 1, Xa = 2;
-function Za(e, t, n) {
+var Qa = 0, $a = 1, eo = 2;
+function to(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -4910,11 +4922,11 @@ function Za(e, t, n) {
 		}
 	}
 }
-function Qa(e, t) {
-	if (to(e)) {
+function no(e, t) {
+	if (ao(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return no(t[0]) || (t = eo(t)), t;
+		return oo(t[0]) || (t = io(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -4926,18 +4938,18 @@ function Qa(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Ya, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : $a, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Ja && (l[n] = t, u == Xa && d.push(n)) : l[n] = t;
+				t === null ? u != Qa && (l[n] = t, u == eo && d.push(n)) : l[n] = t;
 			}
-			Za(l, d, i), r.push(l);
+			to(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var $a = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function eo(e) {
+var ro = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function io(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -4949,7 +4961,7 @@ function eo(e) {
 	}
 	return i;
 }
-function to(e) {
+function ao(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -4960,14 +4972,14 @@ function to(e) {
 	}
 	return !0;
 }
-function no(e, t = 100) {
+function oo(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = ua(1, oa((i - r + 1) / t));
+	let a = ma(1, ua((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -4977,7 +4989,7 @@ function no(e, t = 100) {
 	}
 	return !0;
 }
-var ro = [
+var so = [
 	"January",
 	"February",
 	"March",
@@ -4990,7 +5002,7 @@ var ro = [
 	"October",
 	"November",
 	"December"
-], io = [
+], co = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -4999,33 +5011,33 @@ var ro = [
 	"Friday",
 	"Saturday"
 ];
-function ao(e) {
+function lo(e) {
 	return e.slice(0, 3);
 }
-var oo = io.map(ao), so = {
-	MMMM: ro,
-	MMM: ro.map(ao),
-	WWWW: io,
-	WWW: oo
+var uo = co.map(lo), fo = {
+	MMMM: so,
+	MMM: so.map(lo),
+	WWWW: co,
+	WWW: uo
 };
-function co(e) {
+function po(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function lo(e) {
+function mo(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var uo = {
+var ho = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => co(e.getMonth() + 1),
+	MM: (e) => po(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => co(e.getDate()),
+	DD: (e) => po(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => co(e.getHours()),
+	HH: (e) => po(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -5034,35 +5046,35 @@ var uo = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => co(e.getMinutes()),
+	mm: (e) => po(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => co(e.getSeconds()),
+	ss: (e) => po(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => lo(e.getMilliseconds())
+	fff: (e) => mo(e.getMilliseconds())
 };
-function fo(e, t) {
-	t ||= so;
+function go(e, t) {
+	t ||= fo;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? uo[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? ho[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var po = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function mo(e, t) {
+var _o = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function vo(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == po ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == _o ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var ho = (e) => e % 1 == 0, go = [
+var yo = (e) => e % 1 == 0, bo = [
 	1,
 	2,
 	2.5,
 	5
-], _o = Pa(10, -32, 0, go), vo = Pa(10, 0, 32, go), yo = vo.filter(ho), bo = _o.concat(vo), xo = "\n", So = "{YYYY}", Co = xo + So, wo = "{M}/{D}", To = xo + wo, Eo = To + "/{YY}", Do = "{aa}", Oo = "{h}:{mm}" + Do, ko = xo + Oo, Ao = ":{ss}", Q = null;
-function jo(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Pa(10, 0, 3, go).filter(ho) : Pa(10, -3, 0, go)).concat([
+], xo = Ra(10, -32, 0, bo), So = Ra(10, 0, 32, bo), Co = So.filter(yo), wo = xo.concat(So), To = "\n", Eo = "{YYYY}", Do = To + Eo, Oo = "{M}/{D}", ko = To + Oo, Ao = ko + "/{YY}", jo = "{aa}", Mo = "{h}:{mm}" + jo, No = To + Mo, Po = ":{ss}", Q = null;
+function Fo(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Ra(10, 0, 3, bo).filter(yo) : Ra(10, -3, 0, bo)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -5106,7 +5118,7 @@ function jo(e) {
 	]), c = [
 		[
 			o,
-			So,
+			Eo,
 			Q,
 			Q,
 			Q,
@@ -5118,7 +5130,7 @@ function jo(e) {
 		[
 			i * 28,
 			"{MMM}",
-			Co,
+			Do,
 			Q,
 			Q,
 			Q,
@@ -5128,8 +5140,8 @@ function jo(e) {
 		],
 		[
 			i,
-			wo,
-			Co,
+			Oo,
+			Do,
 			Q,
 			Q,
 			Q,
@@ -5139,10 +5151,10 @@ function jo(e) {
 		],
 		[
 			r,
-			"{h}" + Do,
-			Eo,
+			"{h}" + jo,
+			Ao,
 			Q,
-			To,
+			ko,
 			Q,
 			Q,
 			Q,
@@ -5150,10 +5162,10 @@ function jo(e) {
 		],
 		[
 			n,
-			Oo,
-			Eo,
+			Mo,
+			Ao,
 			Q,
-			To,
+			ko,
 			Q,
 			Q,
 			Q,
@@ -5161,42 +5173,42 @@ function jo(e) {
 		],
 		[
 			t,
-			Ao,
-			Eo + " " + Oo,
+			Po,
+			Ao + " " + Mo,
 			Q,
-			To + " " + Oo,
+			ko + " " + Mo,
 			Q,
-			ko,
+			No,
 			Q,
 			1
 		],
 		[
 			e,
-			Ao + ".{fff}",
-			Eo + " " + Oo,
+			Po + ".{fff}",
+			Ao + " " + Mo,
 			Q,
-			To + " " + Oo,
+			ko + " " + Mo,
 			Q,
-			ko,
+			No,
 			Q,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Vo(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Z(g * e, 3), v = Go(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Z(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Vo(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(sa(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Z(Go(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(da(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Vo(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
+					let o = Go(c + r * a, l + n * a, 1), s = o - t(Z(o * e, 3));
 					i = Z((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (oa(l) - oa(_)) + Aa(_ - y, a);
+				let a = d >= i ? i : d, o = y + (ua(l) - ua(_)) + Pa(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
 				for (; o = Z(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = oa(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
+					let e = ua(Z(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
 					Z((o - i) / d, 3) * v >= .7 && p.push(o);
@@ -5211,12 +5223,12 @@ function jo(e) {
 		l
 	];
 }
-var [Mo, No, Po] = jo(1), [Fo, Io, Lo] = jo(.001);
-Pa(2, -53, 53, [1]);
-function Ro(e, t) {
+var [Io, Lo, Ro] = Fo(1), [zo, Bo, Vo] = Fo(.001);
+Ra(2, -53, 53, [1]);
+function Ho(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function zo(e, t) {
+function Uo(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -5225,98 +5237,98 @@ function zo(e, t) {
 		});
 	};
 }
-function Bo(e, t) {
-	let n = fo(t);
+function Wo(e, t) {
+	let n = go(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Vo(e, t, n) {
+function Go(e, t, n) {
 	return new Date(e, t, n);
 }
-function Ho(e, t) {
+function Ko(e, t) {
 	return t(e);
 }
-var Uo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Wo(e, t) {
-	return (n, r, i, a) => a == null ? vi : t(e(r));
+var qo = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+function Jo(e, t) {
+	return (n, r, i, a) => a == null ? xi : t(e(r));
 }
-function Go(e, t) {
+function Yo(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Ko(e, t) {
+function Xo(e, t) {
 	return e.series[t].fill(e, t);
 }
-var qo = {
+var Zo = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: xa,
+	mount: Ta,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Go,
-		fill: Ko,
+		stroke: Yo,
+		fill: Xo,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function Jo(e, t) {
-	let n = e.cursor.points, r = Oi(), i = n.size(e, t);
-	J(r, ei, i), J(r, ti, i);
+function Qo(e, t) {
+	let n = e.cursor.points, r = Mi(), i = n.size(e, t);
+	Ai(r, ri, i), Ai(r, ii, i);
 	let a = i / -2;
-	J(r, "marginLeft", a), J(r, "marginTop", a);
+	Ai(r, "marginLeft", a), Ai(r, "marginTop", a);
 	let o = n.width(e, t, i);
-	return o && J(r, "borderWidth", o), r;
+	return o && Ai(r, "borderWidth", o), r;
 }
-function Yo(e, t) {
+function $o(e, t) {
 	let n = e.series[t].points;
 	return n._fill || n._stroke;
 }
-function Xo(e, t) {
+function es(e, t) {
 	let n = e.series[t].points;
 	return n._stroke || n._fill;
 }
-function Zo(e, t) {
+function ts(e, t) {
 	return e.series[t].points.size;
 }
-var Qo = [0, 0];
-function $o(e, t, n) {
-	return Qo[0] = t, Qo[1] = n, Qo;
+var ns = [0, 0];
+function rs(e, t, n) {
+	return ns[0] = t, ns[1] = n, ns;
 }
-function es(e, t, n, r = !0) {
+function is(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function ts(e, t, n, r = !0) {
+function as(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var ns = {
+var os = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: $o,
+	move: rs,
 	points: {
 		one: !1,
-		show: Jo,
-		size: Zo,
+		show: Qo,
+		size: ts,
 		width: 0,
-		stroke: Xo,
-		fill: Yo
+		stroke: es,
+		fill: $o
 	},
 	bind: {
-		mousedown: es,
-		mouseup: es,
-		click: es,
-		dblclick: es,
-		mousemove: ts,
-		mouseleave: ts,
-		mouseenter: ts
+		mousedown: is,
+		mouseup: is,
+		click: is,
+		dblclick: is,
+		mousemove: as,
+		mouseleave: as,
+		mouseenter: as
 	},
 	drag: {
 		setScale: !0,
@@ -5346,139 +5358,139 @@ var ns = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, rs = {
+}, ss = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, is = qa({}, rs, { filter: Ca }), as = qa({}, is, { size: 10 }), os = qa({}, rs, { show: !1 }), ss = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", cs = "bold " + ss, ls = 1.5, us = {
+}, cs = Za({}, ss, { filter: Da }), ls = Za({}, cs, { size: 10 }), us = Za({}, ss, { show: !1 }), ds = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", fs = "bold " + ds, ps = 1.5, ms = {
 	show: !0,
 	scale: "x",
-	stroke: oi,
+	stroke: li,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: cs,
+	labelFont: fs,
 	side: 2,
-	grid: is,
-	ticks: as,
-	border: os,
-	font: ss,
-	lineGap: ls,
+	grid: cs,
+	ticks: ls,
+	border: us,
+	font: ds,
+	lineGap: ps,
 	rotate: 0
-}, ds = "Value", fs = "Time", ps = {
+}, hs = "Value", gs = "Time", _s = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: _a,
+	min: xa,
 	max: -Infinity,
 	idxs: []
 };
-function ms(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : na(e));
+function vs(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : oa(e));
 }
-function hs(e, t, n, r, i, a, o) {
-	let s = [], c = Ma.get(i) || 0;
-	n = o ? n : Z(Aa(n, i), c);
+function ys(e, t, n, r, i, a, o) {
+	let s = [], c = Ia.get(i) || 0;
+	n = o ? n : Z(Pa(n, i), c);
 	for (let e = n; e <= r; e = Z(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
-function gs(e, t, n, r, i, a, o) {
+function bs(e, t, n, r, i, a, o) {
 	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = da(c, oa((c == 10 ? pa : ma)(n))), c == 10 && (i = bo[zi(i, bo)]);
+	i = ha(c, ua((c == 10 ? _a : va)(n))), c == 10 && (i = wo[Ui(i, wo)]);
 	let l = n, u = i * c;
-	c == 10 && (u = bo[zi(u, bo)]);
+	c == 10 && (u = wo[Ui(u, wo)]);
 	do
-		s.push(l), l += i, c == 10 && !Ma.has(l) && (l = Z(l, Ma.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = bo[zi(u, bo)]));
+		s.push(l), l += i, c == 10 && !Ia.has(l) && (l = Z(l, Ia.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = wo[Ui(u, wo)]));
 	while (l <= r);
 	return s;
 }
-function _s(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? gs(e, t, ua(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? gs(e, t, ua(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+function xs(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? bs(e, t, ma(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? bs(e, t, ma(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
-var vs = /./, ys = /[12357]/, bs = /[125]/, xs = /1/, Ss = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function Cs(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? vs : c(7, o) - u >= l ? ys : c(5, o) - u >= l ? bs : xs;
-	if (d == xs) {
-		let e = aa(c(1, o) - u);
-		if (e < l) return Ss(t.slice().reverse(), s.distr, d, ca(l / e)).reverse();
+var Ss = /./, Cs = /[12357]/, ws = /[125]/, Ts = /1/, Es = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
+function Ds(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? Ss : c(7, o) - u >= l ? Cs : c(5, o) - u >= l ? ws : Ts;
+	if (d == Ts) {
+		let e = la(c(1, o) - u);
+		if (e < l) return Es(t.slice().reverse(), s.distr, d, fa(l / e)).reverse();
 	}
-	return Ss(t, s.distr, d, 1);
+	return Es(t, s.distr, d, 1);
 }
-function ws(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = aa(c(1, o) - c(2, o));
-	return l < s ? Ss(t.slice().reverse(), 3, vs, ca(s / l)).reverse() : t;
+function Os(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = la(c(1, o) - c(2, o));
+	return l < s ? Es(t.slice().reverse(), 3, Ss, fa(s / l)).reverse() : t;
 }
-function Ts(e, t, n, r) {
-	return r == null ? vi : t == null ? "" : na(t);
+function ks(e, t, n, r) {
+	return r == null ? xi : t == null ? "" : oa(t);
 }
-var Es = {
+var As = {
 	show: !0,
 	scale: "y",
-	stroke: oi,
+	stroke: li,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: cs,
+	labelFont: fs,
 	side: 3,
-	grid: is,
-	ticks: as,
-	border: os,
-	font: ss,
-	lineGap: ls,
+	grid: cs,
+	ticks: ls,
+	border: us,
+	font: ds,
+	lineGap: ps,
 	rotate: 0
 };
-function Ds(e, t) {
+function js(e, t) {
 	return Z((3 + (e || 1) * 2) * t, 3);
 }
-function Os(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = aa(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * q);
+function Ms(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = la(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * J);
 	return r[1] - r[0] <= o;
 }
-var ks = {
+var Ns = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: _a,
+	min: xa,
 	max: -Infinity
-}, As = (e, t, n, r, i) => i, js = {
+}, Ps = (e, t, n, r, i) => i, Fs = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: As,
+	gaps: Ps,
 	alpha: 1,
-	facets: [qa({}, ks, { scale: "x" }), qa({}, ks, { scale: "y" })]
-}, Ms = {
+	facets: [Za({}, Ns, { scale: "x" }), Za({}, Ns, { scale: "y" })]
+}, Is = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: As,
+	gaps: Ps,
 	alpha: 1,
 	points: {
-		show: Os,
+		show: Ms,
 		filter: null
 	},
 	values: null,
-	min: _a,
+	min: xa,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Ns(e, t, n, r, i) {
+function Ls(e, t, n, r, i) {
 	return n / 10;
 }
-var Ps = {
-	time: Nr,
+var Rs = {
+	time: Ir,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -5487,12 +5499,12 @@ var Ps = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Fs = qa({}, Ps, {
+}, zs = Za({}, Rs, {
 	time: !1,
 	ori: 1
-}), Is = {};
-function Ls(e, t) {
-	let n = Is[e];
+}), Bs = {};
+function Vs(e, t) {
+	let n = Bs[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -5505,38 +5517,38 @@ function Ls(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Is[e] = n)), n;
+	}, e != null && (Bs[e] = n)), n;
 }
-var Rs = 1, zs = 2;
-function Bs(e, t, n) {
+var Hs = 1, Us = 2;
+function Ws(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Ys, Zs, $s, tc, rc) : n(i, c, l, u, d, _, g, p, f, h, m, Xs, Qs, ec, nc, ic);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, $s, tc, rc, ac, sc) : n(i, c, l, u, d, _, g, p, f, h, m, ec, nc, ic, oc, cc);
 }
-function Vs(e, t) {
-	let n = 0, r = 0, i = Y(e.bands, Ia);
+function Gs(e, t) {
+	let n = 0, r = 0, i = Y(e.bands, Ba);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Hs(e, t, n, r, i) {
+function Ks(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Us(e, t, n, r, i, a) {
-	return Bs(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Zs : Qs, v, y;
+function qs(e, t, n, r, i, a) {
+	return Ws(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? tc : nc, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Ws(e, t, n, r, i, a) {
+function Js(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? $s : ec, c = n;
+		let s = t == 0 ? rc : ic, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -5549,11 +5561,11 @@ function Ws(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Gs(e, t, n) {
+function Ys(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Ks(e, t, n, r, i, a, o) {
+function Xs(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -5566,11 +5578,11 @@ function Ks(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function qs(e) {
-	return e == 0 ? Sa : e == 1 ? sa : (t) => ka(t, e);
+function Zs(e) {
+	return e == 0 ? Ea : e == 1 ? da : (t) => Na(t, e);
 }
-function Js(e) {
-	let t = e == 0 ? Ys : Xs, n = e == 0 ? (e, t, n, r, i, a) => {
+function Qs(e) {
+	let t = e == 0 ? $s : ec, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -5580,36 +5592,36 @@ function Js(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = la(c, o / 2, s / 2), l = la(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = pa(c, o / 2, s / 2), l = pa(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Ys = (e, t, n) => {
+var $s = (e, t, n) => {
 	e.moveTo(t, n);
-}, Xs = (e, t, n) => {
+}, ec = (e, t, n) => {
 	e.moveTo(n, t);
-}, Zs = (e, t, n) => {
+}, tc = (e, t, n) => {
 	e.lineTo(t, n);
-}, Qs = (e, t, n) => {
+}, nc = (e, t, n) => {
 	e.lineTo(n, t);
-}, $s = Js(0), ec = Js(1), tc = (e, t, n, r, i, a) => {
+}, rc = Qs(0), ic = Qs(1), ac = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, nc = (e, t, n, r, i, a) => {
+}, oc = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, rc = (e, t, n, r, i, a, o) => {
+}, sc = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(t, n, r, i, a, o);
-}, ic = (e, t, n, r, i, a, o) => {
+}, cc = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function ac(e) {
-	return (e, t, n, r, i) => Bs(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function lc(e) {
+	return (e, t, n, r, i) => Ws(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Ys, v = tc) : (_ = Xs, v = nc);
-		let y = Z(g.width * q, 3), b = (g.size - g.width) / 2 * q, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		$s(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = $s, v = ac) : (_ = ec, v = oc);
+		let y = Z(g.width * J, 3), b = (g.size - g.width) / 2 * J, x = Z(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		rc(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, ia * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, ca * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -5622,25 +5634,25 @@ function ac(e) {
 		};
 	});
 }
-function oc(e) {
+function uc(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var sc = oc(Zs), cc = oc(Qs);
-function lc(e) {
+var dc = uc(tc), fc = uc(nc);
+function pc(e) {
 	let t = Y(e?.alignGaps, 0);
-	return (e, n, r, i) => Bs(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Ui(s, r, i);
+	return (e, n, r, i) => Ws(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = qi(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Zs, b = sc) : (y = Qs, b = cc);
+		c.ori == 0 ? (y = tc, b = dc) : (y = nc, b = fc);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Rs
+			flags: Hs
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -5653,29 +5665,29 @@ function lc(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Vs(e, n);
+		let [T, E] = Gs(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Ks(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Ws(l, c.ori, f, p, m, h);
+			w && l.push(...Xs(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Js(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Us(e, n, r, i, C, -1), Us(e, n, r, i, C, 1)] : Us(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [qs(e, n, r, i, C, -1), qs(e, n, r, i, C, 1)] : qs(e, n, r, i, C, E)), S;
 	});
 }
-function uc(e) {
+function mc(e) {
 	let t = Y(e.align, 1), n = Y(e.ascDesc, !1), r = Y(e.alignGaps, 0), i = Y(e.extend, !1);
-	return (e, a, o, s) => Bs(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Ui(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Zs : Qs, T = {
+	return (e, a, o, s) => Ws(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = qi(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? tc : nc, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Rs
+			flags: Hs
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -5686,101 +5698,101 @@ function uc(e) {
 		}
 		let ee = A;
 		i && t == 1 && (ee = b + x, w(E, ee, O));
-		let [te, ne] = Vs(e, a);
+		let [te, ne] = Gs(e, a);
 		if (c.fill != null || te != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, te));
 			w(t, ee, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Ks(l, u, o, s, D, S, r));
-			let f = c.width * q / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Xs(l, u, o, s, D, S, r));
+			let f = c.width * J / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Ws(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Js(i, d.ori, h, g, _, v);
 		}
-		return ne != 0 && (T.band = ne == 2 ? [Us(e, a, o, s, E, -1), Us(e, a, o, s, E, 1)] : Us(e, a, o, s, E, ne)), T;
+		return ne != 0 && (T.band = ne == 2 ? [qs(e, a, o, s, E, -1), qs(e, a, o, s, E, 1)] : qs(e, a, o, s, E, ne)), T;
 	});
 }
-function dc(e, t, n, r, i, a, o = _a) {
+function hc(e, t, n, r, i, a, o = xa) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = aa(e[c] - e[s]);
-				t < l && (l = t, o = aa(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = la(e[c] - e[s]);
+				t < l && (l = t, o = la(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function fc(e) {
-	e ||= Fa;
+function gc(e) {
+	e ||= za;
 	let t = Y(e.size, [
 		.6,
-		_a,
+		xa,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = X(i), o = 1 - t[0], s = Y(t[1], _a), c = Y(t[2], 1), l = Y(e.disp, Fa), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => Bs(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * q, O = s * q, k = c * q, A, j;
+	let a = X(i), o = 1 - t[0], s = Y(t[1], xa), c = Y(t[2], 1), l = Y(e.disp, za), u = Y(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Ws(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * J, O = s * J, k = c * J, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? $s : ec, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let ee = _.dir * (_.ori == 0 ? 1 : -1), te = _.ori == 0 ? rc : ic, ne = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, re = Y(e.bands, Ia).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, F = C, I = T(m.width * q), se = !1, ce = null, le = null, ue = null, de = null;
-		d != null && (I == 0 || f != null) && (se = !0, ce = d.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
-			e != null && le.set(e, new Path2D());
-		}), I > 0 && (ue = f.values(e, t, i, p), de = /* @__PURE__ */ new Map(), new Set(ue).forEach((e) => {
-			e != null && de.set(e, new Path2D());
+		}, re = Y(e.bands, Ba).find((e) => e.series[0] == t), ie = re == null ? 0 : re.dir, ae = m.fillTo(e, t, m.min, m.max, ie), M = T(b(ae, v, w, S)), N, P, oe, se = C, F = T(m.width * J), ce = !1, le = null, ue = null, de = null, fe = null;
+		d != null && (F == 0 || f != null) && (ce = !0, le = d.values(e, t, i, p), ue = /* @__PURE__ */ new Map(), new Set(le).forEach((e) => {
+			e != null && ue.set(e, new Path2D());
+		}), F > 0 && (de = f.values(e, t, i, p), fe = /* @__PURE__ */ new Map(), new Set(de).forEach((e) => {
+			e != null && fe.set(e, new Path2D());
 		})));
-		let { x0: fe, size: pe } = l;
-		if (fe != null && pe != null) {
-			E = 1, h = fe.values(e, t, i, p), fe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
-			let n = pe.values(e, t, i, p);
-			P = pe.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), F = dc(h, g, y, _, C, x, F), oe = F - P + D;
-		} else F = dc(h, g, y, _, C, x, F), oe = F * o + D, P = F - oe;
-		oe < 1 && (oe = 0), I >= P / 2 && (I = 0), oe < 5 && (T = Sa);
-		let me = oe > 0, he = F - oe - (me ? I : 0);
-		P = T(ya(he, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (me ? I / 2 : 0));
-		let ge = {
+		let { x0: pe, size: me } = l;
+		if (pe != null && me != null) {
+			E = 1, h = pe.values(e, t, i, p), pe.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
+			let n = me.values(e, t, i, p);
+			P = me.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), se = hc(h, g, y, _, C, x, se), oe = se - P + D;
+		} else se = hc(h, g, y, _, C, x, se), oe = se * o + D, P = se - oe;
+		oe < 1 && (oe = 0), F >= P / 2 && (F = 0), oe < 5 && (T = Ea);
+		let he = oe > 0, ge = se - oe - (he ? F : 0);
+		P = T(Ca(ge, k, O)), N = (E == 0 ? P / 2 : E == ee ? 0 : P) - E * ee * ((E == 0 ? D / 2 : 0) + (he ? F / 2 : 0));
+		let _e = {
 			stroke: null,
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
 			flags: 0
-		}, _e = se ? null : new Path2D(), ve = null;
-		if (re != null) ve = e.data[re.series[1]];
+		}, ve = ce ? null : new Path2D(), ye = null;
+		if (re != null) ye = e.data[re.series[1]];
 		else {
 			let { y0: n, y1: r } = l;
-			n != null && r != null && (g = r.values(e, t, i, p), ve = n.values(e, t, i, p));
+			n != null && r != null && (g = r.values(e, t, i, p), ye = n.values(e, t, i, p));
 		}
-		let ye = A * P, be = j * P;
+		let be = A * P, xe = j * P;
 		for (let n = ee == 1 ? i : p; n >= i && n <= p; n += ee) {
 			let r = g[n];
 			if (r == null) continue;
-			if (ve != null) {
-				let e = ve[n] ?? 0;
+			if (ye != null) {
+				let e = ye[n] ?? 0;
 				if (r - e == 0) continue;
 				M = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(ua(a, M)), c = T(la(a, M)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Y(r, ae), v, w, S), o = T(i - N), s = T(ma(a, M)), c = T(pa(a, M)), u = s - c;
 			if (r != null) {
-				let i = r < 0 ? be : ye, a = r < 0 ? ye : be;
-				se ? (I > 0 && ue[n] != null && te(de.get(ue[n]), o, c + oa(I / 2), P, ua(0, u - I), i, a), ce[n] != null && te(le.get(ce[n]), o, c + oa(I / 2), P, ua(0, u - I), i, a)) : te(_e, o, c + oa(I / 2), P, ua(0, u - I), i, a), ne(e, t, n, o - I / 2, c, P + I, u);
+				let i = r < 0 ? xe : be, a = r < 0 ? be : xe;
+				ce ? (F > 0 && de[n] != null && te(fe.get(de[n]), o, c + ua(F / 2), P, ma(0, u - F), i, a), le[n] != null && te(ue.get(le[n]), o, c + ua(F / 2), P, ma(0, u - F), i, a)) : te(ve, o, c + ua(F / 2), P, ma(0, u - F), i, a), ne(e, t, n, o - F / 2, c, P + F, u);
 			}
 		}
-		return I > 0 ? ge.stroke = se ? de : _e : se || (ge._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, ge.width = 0), ge.fill = se ? le : _e, ge;
+		return F > 0 ? _e.stroke = ce ? fe : ve : ce || (_e._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, _e.width = 0), _e.fill = ce ? ue : ve, _e;
 	});
 }
-function pc(e, t) {
+function _c(e, t) {
 	let n = Y(t?.alignGaps, 0);
-	return (t, r, i, a) => Bs(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Ui(c, i, a);
+	return (t, r, i, a) => Ws(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = qi(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Ys, S = Zs, x = rc) : (b = Xs, S = Qs, x = ic);
+		l.ori == 0 ? (b = $s, S = tc, x = sc) : (b = ec, S = nc, x = cc);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -5792,23 +5804,23 @@ function pc(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Rs
-		}, k = O.stroke, [A, j] = Vs(t, r);
+			flags: Hs
+		}, k = O.stroke, [A, j] = Gs(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Ks(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Ws(e, l.ori, p, m, h, g);
+			e.push(...Xs(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Js(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [Us(t, r, i, a, k, -1), Us(t, r, i, a, k, 1)] : Us(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [qs(t, r, i, a, k, -1), qs(t, r, i, a, k, 1)] : qs(t, r, i, a, k, j)), O;
 	});
 }
-function mc(e) {
-	return pc(hc, e);
+function vc(e) {
+	return _c(yc, e);
 }
-function hc(e, t, n, r, i, a) {
+function yc(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -5823,61 +5835,61 @@ function hc(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var gc = /* @__PURE__ */ new Set();
-function _c() {
-	for (let e of gc) e.syncRect(!0);
+var bc = /* @__PURE__ */ new Set();
+function xc() {
+	for (let e of bc) e.syncRect(!0);
 }
-yi && (Li(mi, xi, _c), Li(hi, xi, _c, !0), Li(_i, xi, () => {
-	Nc.pxRatio = q;
+Si && (Vi(_i, wi, xc), Vi(vi, wi, xc, !0), Vi(bi, wi, () => {
+	Lc.pxRatio = J;
 }));
-var vc = lc(), yc = ac();
-function bc(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Sc(e, r, t, n));
+var Sc = pc(), Cc = lc();
+function wc(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Ec(e, r, t, n));
 }
-function xc(e, t) {
-	return e.map((e, n) => n == 0 ? {} : qa({}, t, e));
-}
-function Sc(e, t, n, r) {
-	return qa({}, t == 0 ? n : r, e);
-}
-function Cc(e, t, n) {
-	return t == null ? La : [t, n];
-}
-var wc = Cc;
-function Tc(e, t, n) {
-	return t == null ? La : Qi(t, n, Ji, !0);
+function Tc(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Za({}, t, e));
 }
 function Ec(e, t, n, r) {
-	return t == null ? La : Ki(t, n, e.scales[r].log, !1);
+	return Za({}, t == 0 ? n : r, e);
 }
-var Dc = Ec;
-function Oc(e, t, n, r) {
-	return t == null ? La : qi(t, n, e.scales[r].log, !1);
+function Dc(e, t, n) {
+	return t == null ? Va : [t, n];
 }
-var kc = Oc;
-function Ac(e, t, n, r, i) {
-	let a = ua(va(e), va(t)), o = t - e, s = zi(i / r * o, n);
+var Oc = Dc;
+function kc(e, t, n) {
+	return t == null ? Va : na(t, n, Qi, !0);
+}
+function Ac(e, t, n, r) {
+	return t == null ? Va : Xi(t, n, e.scales[r].log, !1);
+}
+var jc = Ac;
+function Mc(e, t, n, r) {
+	return t == null ? Va : Zi(t, n, e.scales[r].log, !1);
+}
+var Nc = Mc;
+function Pc(e, t, n, r, i) {
+	let a = ma(Sa(e), Sa(t)), o = t - e, s = Ui(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? Ma.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? Ia.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function jc(e) {
+function Fc(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = sa((n = +r) * q)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = da((n = +r) * J)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function Mc(e) {
+function Ic(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = Z(e[2] * q, 1);
+		let t = Z(e[2] * J, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function Nc(e, t, n) {
+function Lc(e, t, n) {
 	let r = { mode: Y(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
@@ -5893,24 +5905,24 @@ function Nc(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = Oi(Pr);
-	if (e.id != null && (l.id = e.id), Ti(l, e.class), e.title) {
-		let t = Oi(Lr, l);
+	let l = r.root = Mi(Lr);
+	if (e.id != null && (l.id = e.id), Oi(l, e.class), e.title) {
+		let t = Mi(Br, l);
 		t.textContent = e.title;
 	}
-	let u = Di("canvas"), d = r.ctx = u.getContext("2d"), f = Oi(Rr, l);
-	Li("click", f, (e) => {
-		e.target === m && (U != tn || W != nn) && sn.click(r, e);
+	let u = ji("canvas"), d = r.ctx = u.getContext("2d"), f = Mi(Vr, l);
+	Vi("click", f, (e) => {
+		e.target === m && (W != en || G != tn) && on.click(r, e);
 	}, !0);
-	let p = r.under = Oi(zr, f);
+	let p = r.under = Mi(Hr, f);
 	f.appendChild(u);
-	let m = r.over = Oi(Br, f);
-	e = Ka(e);
-	let h = +Y(e.pxAlign, 1), g = qs(h);
+	let m = r.over = Mi(Ur, f);
+	e = Xa(e);
+	let h = +Y(e.pxAlign, 1), g = Zs(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? bc(e.series || [], ps, Ms, !1) : xc(e.series || [null], js), y = r.axes = bc(e.axes || [], us, Es, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? wc(e.series || [], _s, Is, !1) : Tc(e.series || [null], Fs), y = r.axes = wc(e.axes || [], ms, As, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1);
 	});
@@ -5919,7 +5931,7 @@ function Nc(e, t, n) {
 		series: Ot
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => pa(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ga(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => _a(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => ba(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -5928,30 +5940,30 @@ function Nc(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Fa)[t] || Fa;
+			let r = (e.scales || za)[t] || za;
 			if (r.from != null) {
 				E(r.from);
-				let e = qa({}, b[r.from], r, { key: t });
+				let e = Za({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = qa({}, t == S ? Ps : Fs, r), n.key = t;
-				let e = n.time, a = n.range, o = Ra(a);
+				n = b[t] = Za({}, t == S ? Rs : zs, r), n.key = t;
+				let e = n.time, a = n.range, o = Ha(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Yi : {
+					min: a[0] == null ? $i : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Yi : {
+					max: a[1] == null ? $i : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Ha(a))) {
+				}, o = !1), !o && Ka(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? La : Qi(n, r, e);
+					a = (t, n, r) => n == null ? Va : na(n, r, e);
 				}
-				n.range = X(a || (e ? wc : t == S ? n.distr == 3 ? Dc : n.distr == 4 ? kc : Cc : n.distr == 3 ? Ec : n.distr == 4 ? Oc : Tc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Ns), n._min = n._max = null, n.valToPct = T(n);
+				n.range = X(a || (e ? Oc : t == S ? n.distr == 3 ? jc : n.distr == 4 ? Nc : Dc : n.distr == 3 ? Ac : n.distr == 4 ? Mc : kc)), n.auto = X(!o && n.auto), n.clamp = X(n.clamp || Ls), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -5962,7 +5974,7 @@ function Nc(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (Ti(l, Fr), k = a, A = o) : (Ti(l, Ir), k = o, A = a);
+	D.ori == 0 ? (Oi(l, Rr), k = a, A = o) : (Oi(l, zr), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -5971,97 +5983,97 @@ function Nc(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let ee = e.tzDate || ((e) => new Date(sa(e / _))), te = e.fmtDate || fo, ne = _ == 1 ? Po(ee) : Lo(ee), re = zo(ee, Ro(_ == 1 ? No : Io, te)), ie = Wo(ee, Ho(Uo, te)), ae = [], M = r.legend = qa({}, qo, e.legend), N = r.cursor = qa({}, ns, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, F = M.markers;
-	M.idxs = ae, F.width = X(F.width), F.dash = X(F.dash), F.stroke = X(F.stroke), F.fill = X(F.fill);
-	let I, se, ce, le = [], ue = [], de, fe = !1, pe = {};
+	let ee = e.tzDate || ((e) => new Date(da(e / _))), te = e.fmtDate || go, ne = _ == 1 ? Ro(ee) : Vo(ee), re = Uo(ee, Ho(_ == 1 ? Lo : Bo, te)), ie = Jo(ee, Ko(qo, te)), ae = [], M = r.legend = Za({}, Zo, e.legend), N = r.cursor = Za({}, os, { drag: { y: i == 2 } }, e.cursor), P = M.show, oe = N.show, se = M.markers;
+	M.idxs = ae, se.width = X(se.width), se.dash = X(se.dash), se.stroke = X(se.stroke), se.fill = X(se.fill);
+	let F, ce, le, ue = [], de = [], fe, pe = !1, me = {};
 	if (M.live) {
 		let e = v[1] ? v[1].values : null;
-		fe = e != null, de = fe ? e(r, 1, 0) : { _: 0 };
-		for (let e in de) pe[e] = vi;
+		pe = e != null, fe = pe ? e(r, 1, 0) : { _: 0 };
+		for (let e in fe) me[e] = xi;
 	}
 	if (P) {
-		if (I = Di("table", qr, l), ce = Di("tbody", null, I), M.mount(r, I), fe) {
-			se = Di("thead", null, I, ce);
-			let e = Di("tr", null, se);
-			for (var me in Di("th", null, e), de) Di("th", Qr, e).textContent = me;
-		} else Ti(I, Yr), M.live && Ti(I, Jr);
+		if (F = ji("table", Xr, l), le = ji("tbody", null, F), M.mount(r, F), pe) {
+			ce = ji("thead", null, F, le);
+			let e = ji("tr", null, ce);
+			for (var he in ji("th", null, e), fe) ji("th", ti, e).textContent = he;
+		} else Oi(F, Qr), M.live && Oi(F, Zr);
 	}
-	let he = { show: !0 }, ge = { show: !1 };
-	function _e(e, t) {
-		if (t == 0 && (fe || !M.live || i == 2)) return La;
-		let n = [], a = Di("tr", Xr, ce, ce.childNodes[t]);
-		Ti(a, e.class), e.show || Ti(a, Hr);
-		let o = Di("th", null, a);
-		if (F.show) {
-			let e = Oi(Zr, o);
+	let ge = { show: !0 }, _e = { show: !1 };
+	function ve(e, t) {
+		if (t == 0 && (pe || !M.live || i == 2)) return Va;
+		let n = [], a = ji("tr", $r, le, le.childNodes[t]);
+		Oi(a, e.class), e.show || Oi(a, Gr);
+		let o = ji("th", null, a);
+		if (se.show) {
+			let e = Mi(ei, o);
 			if (t > 0) {
-				let n = F.width(r, t);
-				n && (e.style.border = n + "px " + F.dash(r, t) + " " + F.stroke(r, t)), e.style.background = F.fill(r, t);
+				let n = se.width(r, t);
+				n && (e.style.border = n + "px " + se.dash(r, t) + " " + se.stroke(r, t)), e.style.background = se.fill(r, t);
 			}
 		}
-		let s = Oi(Qr, o);
-		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (F.show || (s.style.color = e.width > 0 ? F.stroke(r, t) : F.fill(r, t)), ye("click", o, (t) => {
+		let s = Mi(ti, o);
+		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (se.show || (s.style.color = e.width > 0 ? se.stroke(r, t) : se.fill(r, t)), be("click", o, (t) => {
 			if (N._lock) return;
-			Ue(t);
+			We(t);
 			let n = v.indexOf(e);
 			if ((t.ctrlKey || t.metaKey) != M.isolate) {
 				let e = v.some((e, t) => t > 0 && t != n && e.show);
 				v.forEach((t, r) => {
-					r > 0 && mn(r, e ? r == n ? he : ge : he, !0, Qn.setSeries);
+					r > 0 && pn(r, e ? r == n ? ge : _e : ge, !0, Zn.setSeries);
 				});
-			} else mn(n, { show: !e.show }, !0, Qn.setSeries);
-		}, !1), Ke && ye(di, o, (t) => {
-			N._lock || (Ue(t), mn(v.indexOf(e), Sn, !0, Qn.setSeries));
-		}, !1)), de) {
-			let e = Di("td", $r, a);
+			} else pn(n, { show: !e.show }, !0, Zn.setSeries);
+		}, !1), qe && be(mi, o, (t) => {
+			N._lock || (We(t), pn(v.indexOf(e), xn, !0, Zn.setSeries));
+		}, !1)), fe) {
+			let e = ji("td", ni, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
 	}
-	let ve = /* @__PURE__ */ new Map();
-	function ye(e, t, n, i = !0) {
-		let a = ve.get(t) || {}, o = N.bind[e](r, t, n, i);
-		o && (Li(e, t, a[e] = o), ve.set(t, a));
+	let ye = /* @__PURE__ */ new Map();
+	function be(e, t, n, i = !0) {
+		let a = ye.get(t) || {}, o = N.bind[e](r, t, n, i);
+		o && (Vi(e, t, a[e] = o), ye.set(t, a));
 	}
-	function be(e, t, n) {
-		let r = ve.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Ri(n, t, r[n]), delete r[n]);
-		e ?? ve.delete(t);
+	function xe(e, t, n) {
+		let r = ye.get(t) || {};
+		for (let n in r) (e == null || n == e) && (Hi(n, t, r[n]), delete r[n]);
+		e ?? ye.delete(t);
 	}
-	let xe = 0, Se = 0, L = 0, R = 0, z = 0, Ce = 0, we = z, B = Ce, Te = L, Ee = R, De = 0, Oe = 0, ke = 0, Ae = 0;
+	let Se = 0, Ce = 0, I = 0, L = 0, R = 0, we = 0, Te = R, z = we, Ee = I, De = L, Oe = 0, ke = 0, Ae = 0, je = 0;
 	r.bbox = {};
-	let je = !1, Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1;
-	function Le(e, t, n) {
-		(n || e != r.width || t != r.height) && Re(e, t), Bt(!1), Ne = !0, Me = !0, Gt();
+	let Me = !1, Ne = !1, Pe = !1, Fe = !1, Ie = !1, Le = !1;
+	function Re(e, t, n) {
+		(n || e != r.width || t != r.height) && ze(e, t), Bt(!1), Pe = !0, Ne = !0, U();
 	}
-	function Re(e, t) {
-		r.width = xe = L = e, r.height = Se = R = t, z = Ce = 0, Ve(), He();
+	function ze(e, t) {
+		r.width = Se = I = e, r.height = Ce = L = t, R = we = 0, He(), Ue();
 		let n = r.bbox;
-		De = n.left = ka(z * q, .5), Oe = n.top = ka(Ce * q, .5), ke = n.width = ka(L * q, .5), Ae = n.height = ka(R * q, .5);
+		Oe = n.left = Na(R * J, .5), ke = n.top = Na(we * J, .5), Ae = n.width = Na(I * J, .5), je = n.height = Na(L * J, .5);
 	}
-	function ze() {
+	function Be() {
 		let e = !1, t = 0;
 		for (; !e;) {
 			t++;
 			let n = Lt(t), i = Rt(t);
-			e = t == 3 || n && i, e || (Re(r.width, r.height), Me = !0);
+			e = t == 3 || n && i, e || (ze(r.width, r.height), Ne = !0);
 		}
 	}
-	function Be({ width: e, height: t }) {
-		Le(e, t);
+	function Ve({ width: e, height: t }) {
+		Re(e, t);
 	}
-	r.setSize = Be;
-	function Ve() {
+	r.setSize = Ve;
+	function He() {
 		let e = !1, t = !1, n = !1, r = !1;
 		y.forEach((i, a) => {
 			if (i.show && i._show) {
 				let { side: a, _size: o } = i, s = a % 2, c = o + (i.label == null ? 0 : i.labelSize);
-				c > 0 && (s ? (L -= c, a == 3 ? (z += c, r = !0) : n = !0) : (R -= c, a == 0 ? (Ce += c, e = !0) : t = !0));
+				c > 0 && (s ? (I -= c, a == 3 ? (R += c, r = !0) : n = !0) : (L -= c, a == 0 ? (we += c, e = !0) : t = !0));
 			}
-		}), tt[0] = e, tt[1] = n, tt[2] = t, tt[3] = r, L -= at[1] + at[3], z += at[3], R -= at[2] + at[0], Ce += at[0];
+		}), nt[0] = e, nt[1] = n, nt[2] = t, nt[3] = r, I -= ot[1] + ot[3], R += ot[3], L -= ot[2] + ot[0], we += ot[0];
 	}
-	function He() {
-		let e = z + L, t = Ce + R, n = z, r = Ce;
+	function Ue() {
+		let e = R + I, t = we + L, n = R, r = we;
 		function i(i, a) {
 			switch (i) {
 				case 1: return e += a, e - a;
@@ -6083,7 +6095,7 @@ function Nc(e, t, n) {
 		let r = e.prox = X(e.prox), i = e.bias ??= 0;
 		N.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? _a, u = l >= 0 && l < _a, d = D.ori == 0 ? L : R, f = N.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? xa, u = l >= 0 && l < xa, d = D.ori == 0 ? I : L, f = N.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -6095,127 +6107,127 @@ function Nc(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && aa(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && la(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
-	let Ue = (e) => {
+	let We = (e) => {
 		N.event = e;
 	};
 	N.idxs = ae, N._lock = !1;
-	let We = N.points;
-	We.show = X(We.show), We.size = X(We.size), We.stroke = X(We.stroke), We.width = X(We.width), We.fill = X(We.fill);
-	let Ge = r.focus = qa({}, e.focus || { alpha: .3 }, N.focus), Ke = Ge.prox >= 0, qe = Ke && We.one, Je = [], Ye = [], Xe = [];
-	function Ze(e, t) {
-		let n = We.show(r, t);
-		if (n instanceof HTMLElement) return Ti(n, Kr), Ti(n, e.class), Ai(n, -10, -10, L, R), m.insertBefore(n, Je[t]), n;
-	}
+	let Ge = N.points;
+	Ge.show = X(Ge.show), Ge.size = X(Ge.size), Ge.stroke = X(Ge.stroke), Ge.width = X(Ge.width), Ge.fill = X(Ge.fill);
+	let Ke = r.focus = Za({}, e.focus || { alpha: .3 }, N.focus), qe = Ke.prox >= 0, Je = qe && Ge.one, Ye = [], Xe = [], Ze = [];
 	function Qe(e, t) {
+		let n = Ge.show(r, t);
+		if (n instanceof HTMLElement) return Oi(n, Yr), Oi(n, e.class), Pi(n, -10, -10, I, L), m.insertBefore(n, Ye[t]), n;
+	}
+	function $e(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? Va(n) ? Wo(ee, Ho(n, te)) : n || ie : n || Ts, e.label = e.label || (t ? fs : ds);
+			e.value = t ? Ga(n) ? Jo(ee, Ko(n, te)) : n || ie : n || ks, e.label = e.label || (t ? gs : hs);
 		}
-		if (qe || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || vc || wa, e.fillTo = X(e.fillTo || Hs), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = qs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Ds(ua(1, e.width), 1), n = e.points = qa({}, {
+		if (Je || t > 0) {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || Sc || Oa, e.fillTo = X(e.fillTo || Ks), e.pxAlign = +Y(e.pxAlign, h), e.pxRound = Zs(e.pxAlign), e.stroke = X(e.stroke || null), e.fill = X(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = js(ma(1, e.width), 1), n = e.points = Za({}, {
 				size: t,
-				width: ua(1, t * .2),
+				width: ma(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: yc,
+				paths: Cc,
 				_stroke: null,
 				_fill: null
 			}, e.points);
 			n.show = X(n.show), n.filter = X(n.filter), n.fill = X(n.fill), n.stroke = X(n.stroke), n.paths = X(n.paths), n.pxAlign = e.pxAlign;
 		}
 		if (P) {
-			let n = _e(e, t);
-			le.splice(t, 0, n[0]), ue.splice(t, 0, n[1]), M.values.push(null);
+			let n = ve(e, t);
+			ue.splice(t, 0, n[0]), de.splice(t, 0, n[1]), M.values.push(null);
 		}
 		if (oe) {
 			ae.splice(t, 0, null);
 			let n = null;
-			qe ? t == 0 && (n = Ze(e, t)) : t > 0 && (n = Ze(e, t)), Je.splice(t, 0, n), Ye.splice(t, 0, 0), Xe.splice(t, 0, 0);
+			Je ? t == 0 && (n = Qe(e, t)) : t > 0 && (n = Qe(e, t)), Ye.splice(t, 0, n), Xe.splice(t, 0, 0), Ze.splice(t, 0, 0);
 		}
-		Xn("addSeries", t);
+		Yn("addSeries", t);
 	}
-	function $e(e, t) {
-		t ??= v.length, e = i == 1 ? Sc(e, t, ps, Ms) : Sc(e, t, {}, js), v.splice(t, 0, e), Qe(v[t], t);
+	function et(e, t) {
+		t ??= v.length, e = i == 1 ? Ec(e, t, _s, Is) : Ec(e, t, {}, Fs), v.splice(t, 0, e), $e(v[t], t);
 	}
-	r.addSeries = $e;
-	function et(e) {
+	r.addSeries = et;
+	function tt(e) {
 		if (v.splice(e, 1), P) {
-			M.values.splice(e, 1), ue.splice(e, 1);
-			let t = le.splice(e, 1)[0];
-			be(null, t.firstChild), t.remove();
+			M.values.splice(e, 1), de.splice(e, 1);
+			let t = ue.splice(e, 1)[0];
+			xe(null, t.firstChild), t.remove();
 		}
-		oe && (ae.splice(e, 1), Je.splice(e, 1)[0].remove(), Ye.splice(e, 1), Xe.splice(e, 1)), Xn("delSeries", e);
+		oe && (ae.splice(e, 1), Ye.splice(e, 1)[0].remove(), Xe.splice(e, 1), Ze.splice(e, 1)), Yn("delSeries", e);
 	}
-	r.delSeries = et;
-	let tt = [
+	r.delSeries = tt;
+	let nt = [
 		!1,
 		!1,
 		!1,
 		!1
 	];
-	function nt(e, t) {
+	function rt(e, t) {
 		if (e._show = e.show, e.show) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ra(e.incrs) && e.incrs.forEach((e) => {
-				!Ma.has(e) && Ma.set(e, Na(e));
-			}), e.incrs = X(e.incrs || (i.distr == 2 ? yo : a ? _ == 1 ? Mo : Fo : bo)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? gs : i.distr == 4 ? _s : hs)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
+			e.size = X(e.size), e.space = X(e.space), e.rotate = X(e.rotate), Ha(e.incrs) && e.incrs.forEach((e) => {
+				!Ia.has(e) && Ia.set(e, La(e));
+			}), e.incrs = X(e.incrs || (i.distr == 2 ? Co : a ? _ == 1 ? Io : zo : wo)), e.splits = X(e.splits || (a && i.distr == 1 ? ne : i.distr == 3 ? bs : i.distr == 4 ? xs : ys)), e.stroke = X(e.stroke), e.grid.stroke = X(e.grid.stroke), e.ticks.stroke = X(e.ticks.stroke), e.border.stroke = X(e.border.stroke);
 			let o = e.values;
-			e.values = Ra(o) && !Ra(o[0]) ? X(o) : a ? Ra(o) ? zo(ee, Ro(o, te)) : Va(o) ? Bo(ee, o) : o || re : o || ms, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Cs : i.distr == 3 && i.log == 2 ? ws : Ca)), e.font = jc(e.font), e.labelFont = jc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (tt[t] = !0, e._el = Oi(Vr, f));
+			e.values = Ha(o) && !Ha(o[0]) ? X(o) : a ? Ha(o) ? Uo(ee, Ho(o, te)) : Ga(o) ? Wo(ee, o) : o || re : o || vs, e.filter = X(e.filter || (i.distr >= 3 && i.log == 10 ? Ds : i.distr == 3 && i.log == 2 ? Os : Da)), e.font = Fc(e.font), e.labelFont = Fc(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (nt[t] = !0, e._el = Mi(Wr, f));
 		}
 	}
-	function rt(e, t, n, r) {
+	function it(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? sa(us.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? sa(Es.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? da(ms.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? da(As.size / 2) : 0), l;
 	}
-	let it = r.padding = (e.padding || [
-		rt,
-		rt,
-		rt,
-		rt
-	]).map((e) => X(Y(e, rt))), at = r._padding = it.map((e, t) => e(r, t, tt, 0)), ot, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, ut = null, V = !1;
-	function dt(e, n) {
+	let at = r.padding = (e.padding || [
+		it,
+		it,
+		it,
+		it
+	]).map((e) => X(Y(e, it))), ot = r._padding = at.map((e, t) => e(r, t, nt, 0)), B, st = null, ct = null, lt = i == 1 ? v[0].idxs : null, ut = null, dt = !1;
+	function ft(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
-			ot = 0;
-			for (let e = 1; e < v.length; e++) ot += t[e][0].length;
+			B = 0;
+			for (let e = 1; e < v.length; e++) B += t[e][0].length;
 		} else {
-			t.length == 0 && (r.data = r._data = t = [[]]), ut = t[0], ot = ut.length;
+			t.length == 0 && (r.data = r._data = t = [[]]), ut = t[0], B = ut.length;
 			let e = t;
 			if (O == 2) {
 				e = t.slice();
-				let n = e[0] = Array(ot);
-				for (let e = 0; e < ot; e++) n[e] = e;
+				let n = e[0] = Array(B);
+				for (let e = 0; e < B; e++) n[e] = e;
 			}
 			r._data = t = e;
 		}
-		if (Bt(!0), Xn("setData"), O == 2 && (Ne = !0), n !== !1) {
+		if (Bt(!0), Yn("setData"), O == 2 && (Pe = !0), n !== !1) {
 			let e = D;
-			e.auto(r, V) ? ft() : pn(S, e.min, e.max), Pe ||= N.left >= 0, Ie = !0, Gt();
+			e.auto(r, dt) ? pt() : fn(S, e.min, e.max), Fe ||= N.left >= 0, Le = !0, U();
 		}
 	}
-	r.setData = dt;
-	function ft() {
-		V = !0;
+	r.setData = ft;
+	function pt() {
+		dt = !0;
 		let e, n;
-		i == 1 && (ot > 0 ? (st = lt[0] = 0, ct = lt[1] = ot - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = Ki(e, e, D.log, !1) : O == 4 ? [e, n] = qi(e, e, D.log, !1) : D.time ? n = e + sa(86400 / _) : [e, n] = Qi(e, n, Ji, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), pn(S, e, n);
+		i == 1 && (B > 0 ? (st = lt[0] = 0, ct = lt[1] = B - 1, e = t[0][st], n = t[0][ct], O == 2 ? (e = st, n = ct) : e == n && (O == 3 ? [e, n] = Xi(e, e, D.log, !1) : O == 4 ? [e, n] = Zi(e, e, D.log, !1) : D.time ? n = e + da(86400 / _) : [e, n] = na(e, n, Qi, !0))) : (st = lt[0] = e = null, ct = lt[1] = n = null)), fn(S, e, n);
 	}
-	let pt, mt, ht, gt, _t, H, vt, yt, bt, xt;
+	let mt, ht, gt, _t, vt, yt, bt, V, xt, H;
 	function St(e, t, n, r, i, a) {
-		e ??= si, n ??= Ia, r ??= "butt", i ??= si, a ??= "round", e != pt && (d.strokeStyle = pt = e), i != mt && (d.fillStyle = mt = i), t != ht && (d.lineWidth = ht = t), a != _t && (d.lineJoin = _t = a), r != H && (d.lineCap = H = r), n != gt && d.setLineDash(gt = n);
+		e ??= ui, n ??= Ba, r ??= "butt", i ??= ui, a ??= "round", e != mt && (d.strokeStyle = mt = e), i != ht && (d.fillStyle = ht = i), t != gt && (d.lineWidth = gt = t), a != vt && (d.lineJoin = vt = a), r != yt && (d.lineCap = yt = r), n != _t && d.setLineDash(_t = n);
 	}
 	function Ct(e, t, n, r) {
-		t != mt && (d.fillStyle = mt = t), e != vt && (d.font = vt = e), n != yt && (d.textAlign = yt = n), r != bt && (d.textBaseline = bt = r);
+		t != ht && (d.fillStyle = ht = t), e != bt && (d.font = bt = e), n != V && (d.textAlign = V = n), r != xt && (d.textBaseline = xt = r);
 	}
 	function wt(e, t, n, i, a = 0) {
-		if (i.length > 0 && e.auto(r, V) && (t == null || t.min == null)) {
-			let t = Y(st, 0), r = Y(ct, i.length - 1), o = n.min == null ? Gi(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = la(e.min, n.min = o[0]), e.max = ua(e.max, n.max = o[1]);
+		if (i.length > 0 && e.auto(r, dt) && (t == null || t.min == null)) {
+			let t = Y(st, 0), r = Y(ct, i.length - 1), o = n.min == null ? Yi(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = pa(e.min, n.min = o[0]), e.max = ma(e.max, n.max = o[1]);
 		}
 	}
 	let Tt = {
@@ -6225,7 +6237,7 @@ function Nc(e, t, n) {
 	function Et() {
 		for (let e in b) {
 			let t = b[e];
-			j[e] == null && (t.min == null || j[S] != null && t.auto(r, V)) && (j[e] = Tt);
+			j[e] == null && (t.min == null || j[S] != null && t.auto(r, dt)) && (j[e] = Tt);
 		}
 		for (let e in b) {
 			let t = b[e];
@@ -6236,17 +6248,17 @@ function Nc(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Ka(b[t], Ua);
-				if (n.min != null) qa(a, n);
+				let a = e[t] = Xa(b[t], qa);
+				if (n.min != null) Za(a, n);
 				else if (t != S || i == 2) {
-					if (ot == 0 && a.from == null) {
+					if (B == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = _a, a.max = -Infinity;
+					} else a.min = xa, a.max = -Infinity;
 				}
 			}
 		}
-		if (ot > 0) {
+		if (B > 0) {
 			v.forEach((n, a) => {
 				if (i == 1) {
 					let i = n.scale, o = j[i];
@@ -6254,7 +6266,7 @@ function Nc(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], st = zi(s.min, t[0]), ct = zi(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
+						s.min = e[0], s.max = e[1], st = Ui(s.min, t[0]), ct = Ui(s.max, t[0]), ct - st > 1 && (t[0][st] < s.min && st++, t[0][ct] > s.max && ct--), n.min = ut[st], n.max = ut[ct];
 					} else n.show && n.auto && wt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = st, n.idxs[1] = ct;
 				} else if (a > 0 && n.show && n.auto) {
@@ -6265,7 +6277,7 @@ function Nc(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == _a ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == xa ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -6287,45 +6299,45 @@ function Nc(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? pa(i.min) : e == 4 ? ga(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? pa(i.max) : e == 4 ? ga(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? _a(i.min) : e == 4 ? ba(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? _a(i.max) : e == 4 ? ba(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
 			v.forEach((e, t) => {
 				i == 2 ? t > 0 && n.y && (e._paths = null) : n[e.scale] && (e._paths = null);
 			});
-			for (let e in n) Ne = !0, Xn("setScale", e);
-			oe && N.left >= 0 && (Pe = Ie = !0);
+			for (let e in n) Pe = !0, Yn("setScale", e);
+			oe && N.left >= 0 && (Fe = Le = !0);
 		}
 		for (let e in j) j[e] = null;
 	}
 	function Dt(e) {
-		let t = ya(st - 1, 0, ot - 1), n = ya(ct + 1, 0, ot - 1);
+		let t = Ca(st - 1, 0, B - 1), n = Ca(ct + 1, 0, B - 1);
 		for (; e[t] == null && t > 0;) t--;
-		for (; e[n] == null && n < ot - 1;) n++;
+		for (; e[n] == null && n < B - 1;) n++;
 		return [t, n];
 	}
 	function Ot() {
-		if (ot > 0) {
-			let e = v.some((e) => e._focus) && xt != Ge.alpha;
-			e && (d.globalAlpha = xt = Ge.alpha), v.forEach((e, n) => {
+		if (B > 0) {
+			let e = v.some((e) => e._focus) && H != Ke.alpha;
+			e && (d.globalAlpha = H = Ke.alpha), v.forEach((e, n) => {
 				if (n > 0 && e.show && (kt(n, !1), kt(n, !0), e._paths == null)) {
-					let a = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha);
+					let a = H;
+					H != e.alpha && (d.globalAlpha = H = e.alpha);
 					let o = i == 2 ? [0, t[n][0].length - 1] : Dt(t[n]);
-					e._paths = e.paths(r, n, o[0], o[1]), xt != a && (d.globalAlpha = xt = a);
+					e._paths = e.paths(r, n, o[0], o[1]), H != a && (d.globalAlpha = H = a);
 				}
 			}), v.forEach((e, t) => {
 				if (t > 0 && e.show) {
-					let n = xt;
-					xt != e.alpha && (d.globalAlpha = xt = e.alpha), e._paths != null && At(t, !1);
+					let n = H;
+					H != e.alpha && (d.globalAlpha = H = e.alpha), e._paths != null && At(t, !1);
 					{
 						let n = e._paths == null ? null : e._paths.gaps, i = e.points.show(r, t, st, ct, n), a = e.points.filter(r, t, i, n);
 						(i || a) && (e.points._paths = e.points.paths(r, t, st, ct, a), At(t, !0));
 					}
-					xt != n && (d.globalAlpha = xt = n), Xn("drawSeries", t);
+					H != n && (d.globalAlpha = H = n), Yn("drawSeries", t);
 				}
-			}), e && (d.globalAlpha = xt = 1);
+			}), e && (d.globalAlpha = H = 1);
 		}
 	}
 	function kt(e, t) {
@@ -6334,12 +6346,12 @@ function Nc(e, t, n) {
 	}
 	function At(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = Z(l * q, 3);
+		l = Z(l * J, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
 		if (p && d.translate(f, f), !t) {
-			let e = De - l / 2, t = Oe - l / 2, n = ke + l, r = Ae + l;
+			let e = Oe - l / 2, t = ke - l / 2, n = Ae + l, r = je + l;
 			u = new Path2D(), u.rect(e, t, n, r);
 		}
 		t ? Mt(s, l, n.dash, n.cap, c, r, i, o, a) : jt(e, s, l, n.dash, n.cap, c, r, i, o, u, a), p && d.translate(-f, -f);
@@ -6348,24 +6360,24 @@ function Nc(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Fa).band;
-				Ra(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || za).band;
+				Ha(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && $i(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && ra(g, st, ct) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, Mt(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || Mt(n, i, a, o, s, c, l, u, d, f);
 	}
 	function Mt(e, t, n, r, i, a, o, s, c, l, u, f) {
-		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & zs ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Rs && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
+		St(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Pt(i, o), Nt(e, a, t)) : s & Us ? (Pt(i, o), d.clip(f), Nt(e, a, t)) : s & Hs && (d.save(), d.clip(f), u && d.clip(u), Pt(i, o), d.restore(), Nt(e, a, t)) : (Pt(i, o), Nt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Nt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
-			d.strokeStyle = pt = t, d.stroke(e);
+			d.strokeStyle = mt = t, d.stroke(e);
 		}) : t != null && e && d.stroke(t));
 	}
 	function Pt(e, t) {
 		t instanceof Map ? t.forEach((e, t) => {
-			d.fillStyle = mt = t, d.fill(e);
+			d.fillStyle = ht = t, d.fill(e);
 		}) : t != null && e && d.fill(t);
 	}
 	function Ft(e, t, n, i) {
@@ -6373,7 +6385,7 @@ function Nc(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = Ac(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Pc(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -6395,19 +6407,19 @@ function Nc(e, t, n) {
 				return;
 			}
 			n._show || (t = !1, n._show = !0, Bt(!1));
-			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? L : R);
+			let o = n.side, s = o % 2, { min: c, max: l } = a, [u, d] = Ft(i, c, l, s == 0 ? I : L);
 			if (d == 0) return;
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => ut[e]) : p, h = a.distr == 2 ? ut[p[1]] - ut[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = ca(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = fa(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function Rt(e) {
 		let t = !0;
-		return it.forEach((n, i) => {
-			let a = n(r, i, tt, e);
-			a != at[i] && (t = !1), at[i] = a;
+		return at.forEach((n, i) => {
+			let a = n(r, i, nt, e);
+			a != ot[i] && (t = !1), ot[i] = a;
 		}), t;
 	}
 	function zt() {
@@ -6416,16 +6428,16 @@ function Nc(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = sa((t._lpos + s) * q);
-				Ct(t.labelFont[0], c, "center", n == 2 ? ni : ri), d.save(), i == 1 ? (a = o = 0, d.translate(p, sa(Oe + Ae / 2)), d.rotate((n == 3 ? -ia : ia) / 2)) : (a = sa(De + ke / 2), o = p);
-				let m = ba(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = da((t._lpos + s) * J);
+				Ct(t.labelFont[0], c, "center", n == 2 ? ai : oi), d.save(), i == 1 ? (a = o = 0, d.translate(p, da(ke + je / 2)), d.rotate((n == 3 ? -ca : ca) / 2)) : (a = da(Oe + Ae / 2), o = p);
+				let m = wa(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? ke : Ae, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = sa(w * q), E = sa((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * q), D = t._rotate * -ia / 180, O = g(t._pos * q), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? Ae : je, h = i == 0 ? Oe : ke, _ = t._splits, v = p.distr == 2 ? _.map((e) => ut[e]) : _, x = p.distr == 2 ? ut[_[1]] - ut[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = da(w * J), E = da((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * J), D = t._rotate * -ca / 180, O = g(t._pos * J), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			Ct(A, c, t.align == 1 ? ii : t.align == 2 ? ai : D > 0 ? ii : D < 0 ? ai : i == 0 ? "center" : n == 3 ? ai : ii, D || i == 1 ? "middle" : n == 2 ? ni : ri);
+			Ct(A, c, t.align == 1 ? si : t.align == 2 ? ci : D > 0 ? si : D < 0 ? ci : i == 0 ? "center" : n == 3 ? ci : si, D || i == 1 ? "middle" : n == 2 ? ai : oi);
 			let j = t.font[1] * t.lineGap, ee = _.map((e) => g(s(e, p, m, h))), te = t._values;
 			for (let e = 0; e < te.length; e++) {
 				let t = te[e];
@@ -6438,11 +6450,11 @@ function Nc(e, t, n) {
 					}
 				}
 			}
-			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * q, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && It(ee, S.filter(r, v, e, f, x), i, n, O, T, Z(S.width * J, 3), S.stroke(r, e), S.dash, S.cap);
 			let ne = t.grid;
-			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? Ae : ke, Z(ne.width * q, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? Ae : ke, Z(C.width * q, 3), C.stroke(r, e), C.dash, C.cap);
+			ne.show && It(ee, ne.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? ke : Oe, i == 0 ? je : Ae, Z(ne.width * J, 3), ne.stroke(r, e), ne.dash, ne.cap), C.show && It([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? ke : Oe, i == 1 ? je : Ae, Z(C.width * J, 3), C.stroke(r, e), C.dash, C.cap);
 		}
-		Xn("drawAxes");
+		Yn("drawAxes");
 	}
 	function Bt(e) {
 		v.forEach((t, n) => {
@@ -6454,52 +6466,52 @@ function Nc(e, t, n) {
 	let Vt = !1, Ht = !1, Ut = [];
 	function Wt() {
 		Ht = !1;
-		for (let e = 0; e < Ut.length; e++) Xn(...Ut[e]);
+		for (let e = 0; e < Ut.length; e++) Yn(...Ut[e]);
 		Ut.length = 0;
 	}
-	function Gt() {
-		Vt ||= ($a(qt), !0);
+	function U() {
+		Vt ||= (ro(Kt), !0);
 	}
-	function Kt(e, t = !1) {
-		Vt = !0, Ht = t, e(r), qt(), t && Ut.length > 0 && queueMicrotask(Wt);
+	function Gt(e, t = !1) {
+		Vt = !0, Ht = t, e(r), Kt(), t && Ut.length > 0 && queueMicrotask(Wt);
 	}
-	r.batch = Kt;
-	function qt() {
-		if (je &&= (Et(), !1), Ne &&= (ze(), !1), Me) {
-			if (J(p, ii, z), J(p, ni, Ce), J(p, ei, L), J(p, ti, R), J(m, ii, z), J(m, ni, Ce), J(m, ei, L), J(m, ti, R), J(f, ei, xe), J(f, ti, Se), u.width = sa(xe * q), u.height = sa(Se * q), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+	r.batch = Gt;
+	function Kt() {
+		if (Me &&= (Et(), !1), Pe &&= (Be(), !1), Ne) {
+			if (Ai(p, si, R), Ai(p, ai, we), Ai(p, ri, I), Ai(p, ii, L), Ai(m, si, R), Ai(m, ai, we), Ai(m, ri, I), Ai(m, ii, L), Ai(f, ri, Se), Ai(f, ii, Ce), u.width = da(Se * J), u.height = da(Ce * J), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						J(e, a ? "left" : "top", r - t), J(e, a ? "width" : "height", n), J(e, a ? "top" : "left", a ? Ce : z), J(e, a ? "height" : "width", a ? R : L), Ei(e, Hr);
-					} else Ti(e, Hr);
+						Ai(e, a ? "left" : "top", r - t), Ai(e, a ? "width" : "height", n), Ai(e, a ? "top" : "left", a ? we : R), Ai(e, a ? "height" : "width", a ? L : I), ki(e, Gr);
+					} else Oi(e, Gr);
 				}
-			}), pt = mt = ht = _t = H = vt = yt = bt = gt = null, xt = 1, Fn(!0), z != we || Ce != B || L != Te || R != Ee) {
+			}), mt = ht = gt = vt = yt = bt = V = xt = _t = null, H = 1, Pn(!0), R != Te || we != z || I != Ee || L != De) {
 				Bt(!1);
-				let e = L / Te, t = R / Ee;
-				if (oe && !Pe && N.left >= 0) {
-					N.left *= e, N.top *= t, Zt && Ai(Zt, sa(N.left), 0, L, R), Qt && Ai(Qt, 0, sa(N.top), L, R);
-					for (let n = 0; n < Je.length; n++) {
-						let r = Je[n];
-						r != null && (Ye[n] *= e, Xe[n] *= t, Ai(r, ca(Ye[n]), ca(Xe[n]), L, R));
+				let e = I / Ee, t = L / De;
+				if (oe && !Fe && N.left >= 0) {
+					N.left *= e, N.top *= t, Xt && Pi(Xt, da(N.left), 0, I, L), Zt && Pi(Zt, 0, da(N.top), I, L);
+					for (let n = 0; n < Ye.length; n++) {
+						let r = Ye[n];
+						r != null && (Xe[n] *= e, Ze[n] *= t, Pi(r, fa(Xe[n]), fa(Ze[n]), I, L));
 					}
 				}
-				if (G.show && !Fe && G.left >= 0 && G.width > 0) {
-					G.left *= e, G.width *= e, G.top *= t, G.height *= t;
-					for (let e in Rn) J(un, e, G[e]);
+				if (K.show && !Ie && K.left >= 0 && K.width > 0) {
+					K.left *= e, K.width *= e, K.top *= t, K.height *= t;
+					for (let e in Ln) Ai(ln, e, K[e]);
 				}
-				we = z, B = Ce, Te = L, Ee = R;
+				Te = R, z = we, Ee = I, De = L;
 			}
-			Xn("setSize"), Me = !1;
+			Yn("setSize"), Ne = !1;
 		}
-		xe > 0 && Se > 0 && (d.clearRect(0, 0, u.width, u.height), Xn("drawClear"), w.forEach((e) => e()), Xn("draw")), G.show && Fe && (dn(G), Fe = !1), oe && Pe && (Nn(null, !0, !1), Pe = !1), M.show && M.live && Ie && (jn(), Ie = !1), c || (c = !0, r.status = 1, Xn("ready")), V = !1, Vt = !1;
+		Se > 0 && Ce > 0 && (d.clearRect(0, 0, u.width, u.height), Yn("drawClear"), w.forEach((e) => e()), Yn("draw")), K.show && Ie && (un(K), Ie = !1), oe && Fe && (Mn(null, !0, !1), Fe = !1), M.show && M.live && Le && (An(), Le = !1), c || (c = !0, r.status = 1, Yn("ready")), dt = !1, Vt = !1;
 	}
 	r.redraw = (e, t) => {
-		Ne = t || !1, e === !1 ? Gt() : pn(S, D.min, D.max);
+		Pe = t || !1, e === !1 ? U() : fn(S, D.min, D.max);
 	};
-	function Jt(e, n) {
+	function qt(e, n) {
 		let i = b[e];
 		if (i.from == null) {
-			if (ot == 0) {
+			if (B == 0) {
 				let t = i.range(r, n.min, n.max, e);
 				n.min = t[0], n.max = t[1];
 			}
@@ -6507,347 +6519,347 @@ function Nc(e, t, n) {
 				let e = n.min;
 				n.min = n.max, n.max = e;
 			}
-			if (ot > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && ot > 0 && (n.min = zi(n.min, t[0]), n.max = zi(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, je = !0, Gt();
+			if (B > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
+			e == S && i.distr == 2 && B > 0 && (n.min = Ui(n.min, t[0]), n.max = Ui(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Me = !0, U();
 		}
 	}
-	r.setScale = Jt;
-	let Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, an, U, W, on = !1, sn = N.drag, cn = sn.x, ln = sn.y;
-	oe && (N.x && (Yt = Oi(Wr, m)), N.y && (Xt = Oi(Gr, m)), D.ori == 0 ? (Zt = Yt, Qt = Xt) : (Zt = Xt, Qt = Yt), U = N.left, W = N.top);
-	let G = r.select = qa({
+	r.setScale = qt;
+	let Jt, Yt, Xt, Zt, Qt, $t, en, tn, nn, rn, W, G, an = !1, on = N.drag, sn = on.x, cn = on.y;
+	oe && (N.x && (Jt = Mi(qr, m)), N.y && (Yt = Mi(Jr, m)), D.ori == 0 ? (Xt = Jt, Zt = Yt) : (Xt = Yt, Zt = Jt), W = N.left, G = N.top);
+	let K = r.select = Za({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), un = G.show ? Oi(Ur, G.over ? m : p) : null;
-	function dn(e, t) {
-		if (G.show) {
-			for (let t in e) G[t] = e[t], t in Rn && J(un, t, e[t]);
-			t !== !1 && Xn("setSelect");
+	}, e.select), ln = K.show ? Mi(Kr, K.over ? m : p) : null;
+	function un(e, t) {
+		if (K.show) {
+			for (let t in e) K[t] = e[t], t in Ln && Ai(ln, t, e[t]);
+			t !== !1 && Yn("setSelect");
 		}
 	}
-	r.setSelect = dn;
-	function fn(e) {
-		if (v[e].show) P && Ei(le[e], Hr);
-		else if (P && Ti(le[e], Hr), oe) {
-			let t = qe ? Je[0] : Je[e];
-			t != null && Ai(t, -10, -10, L, R);
+	r.setSelect = un;
+	function dn(e) {
+		if (v[e].show) P && ki(ue[e], Gr);
+		else if (P && Oi(ue[e], Gr), oe) {
+			let t = Je ? Ye[0] : Ye[e];
+			t != null && Pi(t, -10, -10, I, L);
 		}
 	}
-	function pn(e, t, n) {
-		Jt(e, {
+	function fn(e, t, n) {
+		qt(e, {
 			min: t,
 			max: n
 		});
 	}
-	function mn(e, t, n, a) {
-		t.focus != null && Cn(e), t.show != null && v.forEach((n, r) => {
-			r > 0 && (e == r || e == null) && (n.show = t.show, fn(r), i == 2 ? (pn(n.facets[0].scale, null, null), pn(n.facets[1].scale, null, null)) : pn(n.scale, null, null), Gt());
-		}), n !== !1 && Xn("setSeries", e, t), a && tr("setSeries", r, e, t);
+	function pn(e, t, n, a) {
+		t.focus != null && Sn(e), t.show != null && v.forEach((n, r) => {
+			r > 0 && (e == r || e == null) && (n.show = t.show, dn(r), i == 2 ? (fn(n.facets[0].scale, null, null), fn(n.facets[1].scale, null, null)) : fn(n.scale, null, null), U());
+		}), n !== !1 && Yn("setSeries", e, t), a && er("setSeries", r, e, t);
 	}
-	r.setSeries = mn;
+	r.setSeries = pn;
+	function mn(e, t) {
+		Za(x[e], t);
+	}
 	function hn(e, t) {
-		qa(x[e], t);
-	}
-	function gn(e, t) {
 		e.fill = X(e.fill || null), e.dir = Y(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
-	function _n(e) {
+	function gn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
 	}
-	r.addBand = gn, r.setBand = hn, r.delBand = _n;
-	function vn(e, t) {
-		v[e].alpha = t, oe && Je[e] != null && (Je[e].style.opacity = t), P && le[e] && (le[e].style.opacity = t);
+	r.addBand = hn, r.setBand = mn, r.delBand = gn;
+	function _n(e, t) {
+		v[e].alpha = t, oe && Ye[e] != null && (Ye[e].style.opacity = t), P && ue[e] && (ue[e].style.opacity = t);
 	}
-	let yn, bn, xn, Sn = { focus: !0 };
-	function Cn(e) {
-		if (e != xn) {
-			let t = e == null, n = Ge.alpha != 1;
+	let vn, yn, bn, xn = { focus: !0 };
+	function Sn(e) {
+		if (e != bn) {
+			let t = e == null, n = Ke.alpha != 1;
 			v.forEach((r, a) => {
 				if (i == 1 || a > 0) {
 					let i = t || a == 0 || a == e;
-					r._focus = t ? null : i, n && vn(a, i ? 1 : Ge.alpha);
+					r._focus = t ? null : i, n && _n(a, i ? 1 : Ke.alpha);
 				}
-			}), xn = e, n && Gt();
+			}), bn = e, n && U();
 		}
 	}
-	P && Ke && ye(fi, I, (e) => {
-		N._lock || (Ue(e), xn != null && mn(null, Sn, !0, Qn.setSeries));
+	P && qe && be(hi, F, (e) => {
+		N._lock || (We(e), bn != null && pn(null, xn, !0, Zn.setSeries));
 	});
-	function wn(e, t, n) {
+	function Cn(e, t, n) {
 		let r = b[t];
-		n && (e = e / q - (r.ori == 1 ? Ce : z));
-		let i = L;
-		r.ori == 1 && (i = R, e = i - e), r.dir == -1 && (e = i - e);
+		n && (e = e / J - (r.ori == 1 ? we : R));
+		let i = I;
+		r.ori == 1 && (i = L, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? da(10, c) : l == 4 ? ha(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? ha(10, c) : l == 4 ? ya(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
-	function Tn(e, n) {
-		return zi(wn(e, S, n), t[0], st, ct);
+	function wn(e, n) {
+		return Ui(Cn(e, S, n), t[0], st, ct);
 	}
-	r.valToIdx = (e) => zi(e, t[0]), r.posToIdx = Tn, r.posToVal = wn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? ke : L, n ? De : 0) : o(e, b[t], n ? Ae : R, n ? Oe : 0), r.setCursor = (e, t, n) => {
-		U = e.left, W = e.top, Nn(null, t, n);
+	r.valToIdx = (e) => Ui(e, t[0]), r.posToIdx = wn, r.posToVal = Cn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? Ae : I, n ? Oe : 0) : o(e, b[t], n ? je : L, n ? ke : 0), r.setCursor = (e, t, n) => {
+		W = e.left, G = e.top, Mn(null, t, n);
 	};
+	function Tn(e, t) {
+		Ai(ln, si, K.left = e), Ai(ln, ri, K.width = t);
+	}
 	function En(e, t) {
-		J(un, ii, G.left = e), J(un, ei, G.width = t);
+		Ai(ln, ai, K.top = e), Ai(ln, ii, K.height = t);
 	}
-	function Dn(e, t) {
-		J(un, ni, G.top = e), J(un, ti, G.height = t);
-	}
-	let On = D.ori == 0 ? En : Dn, kn = D.ori == 1 ? En : Dn;
-	function An() {
+	let Dn = D.ori == 0 ? Tn : En, On = D.ori == 1 ? Tn : En;
+	function kn() {
 		if (P && M.live) for (let e = +(i == 2); e < v.length; e++) {
-			if (e == 0 && fe) continue;
+			if (e == 0 && pe) continue;
 			let t = M.values[e], n = 0;
-			for (let r in t) ue[e][n++].firstChild.nodeValue = t[r];
+			for (let r in t) de[e][n++].firstChild.nodeValue = t[r];
 		}
 	}
-	function jn(e, t) {
+	function An(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ae[t] = e;
-		}) : Ba(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
-			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !fe) && Mn(e, ae[e]);
-			An();
+		}) : Wa(e.idx) || ae.fill(e.idx), M.idx = ae[0]), P && M.live) {
+			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !pe) && jn(e, ae[e]);
+			kn();
 		}
-		Ie = !1, t !== !1 && Xn("setLegend");
+		Le = !1, t !== !1 && Yn("setLegend");
 	}
-	r.setLegend = jn;
-	function Mn(e, n) {
+	r.setLegend = An;
+	function jn(e, n) {
 		let i = v[e], a = e == 0 && O == 2 ? ut : t[e], o;
-		fe ? o = i.values(r, e, n) ?? pe : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? pe : { _: o }), M.values[e] = o;
+		pe ? o = i.values(r, e, n) ?? me : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? me : { _: o }), M.values[e] = o;
 	}
-	function Nn(e, n, a) {
-		rn = U, an = W, [U, W] = N.move(r, U, W), N.left = U, N.top = W, oe && (Zt && Ai(Zt, sa(U), 0, L, R), Qt && Ai(Qt, 0, sa(W), L, R));
+	function Mn(e, n, a) {
+		nn = W, rn = G, [W, G] = N.move(r, W, G), N.left = W, N.top = G, oe && (Xt && Pi(Xt, da(W), 0, I, L), Zt && Pi(Zt, 0, da(G), I, L));
 		let o, s = st > ct;
-		yn = _a, bn = null;
-		let c = D.ori == 0 ? L : R, l = D.ori == 1 ? L : R;
-		if (U < 0 || ot == 0 || s) {
+		vn = xa, yn = null;
+		let c = D.ori == 0 ? I : L, l = D.ori == 1 ? I : L;
+		if (W < 0 || B == 0 || s) {
 			o = N.idx = null;
 			for (let e = 0; e < v.length; e++) {
-				let t = Je[e];
-				t != null && Ai(t, -10, -10, L, R);
+				let t = Ye[e];
+				t != null && Pi(t, -10, -10, I, L);
 			}
-			Ke && mn(null, Sn, !0, e == null && Qn.setSeries), M.live && (ae.fill(o), Ie = !0);
+			qe && pn(null, xn, !0, e == null && Zn.setSeries), M.live && (ae.fill(o), Le = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? U : W, n = wn(e, S), o = N.idx = zi(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? W : G, n = Cn(e, S), o = N.idx = Ui(n, t[0], st, ct), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ae[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = N.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
-				if (Ie = Ie || S != y || x != _, ae[e] = x, e > 0 && g.show) {
+				if (Le = Le || S != y || x != _, ae[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
-					if (Ke && S != null) {
-						let t = D.ori == 1 ? U : W, n = aa(Ge.dist(r, e, x, _, t));
-						if (n < yn) {
-							let r = Ge.bias;
+					if (qe && S != null) {
+						let t = D.ori == 1 ? W : G, n = la(Ke.dist(r, e, x, _, t));
+						if (n < vn) {
+							let r = Ke.bias;
 							if (r != 0) {
-								let i = wn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
-								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (yn = n, bn = e);
-							} else yn = n, bn = e;
+								let i = Cn(t, g.scale), a = S >= 0 ? 1 : -1, o = i >= 0 ? 1 : -1;
+								o == a && (o == 1 ? r == 1 ? S >= i : S <= i : r == 1 ? S <= i : S >= i) && (vn = n, yn = e);
+							} else vn = n, yn = e;
 						}
 					}
-					if (Ie || qe) {
+					if (Le || Je) {
 						let t, i;
 						D.ori == 0 ? (t = n, i = _) : (t = _, i = n);
-						let a, o, c, l, g, v, y = !0, b = We.bbox;
+						let a, o, c, l, g, v, y = !0, b = Ge.bbox;
 						if (b != null) {
 							y = !1;
 							let t = b(r, e);
 							c = t.left, l = t.top, a = t.width, o = t.height;
-						} else c = t, l = i, a = o = We.size(r, e);
-						if (v = We.fill(r, e), g = We.stroke(r, e), qe) e == bn && yn <= Ge.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
+						} else c = t, l = i, a = o = Ge.size(r, e);
+						if (v = Ge.fill(r, e), g = Ge.stroke(r, e), Je) e == yn && vn <= Ke.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
-							let t = Je[e];
-							t != null && (Ye[e] = c, Xe[e] = l, Pi(t, a, o, y), Mi(t, v, g), Ai(t, ca(c), ca(l), L, R));
+							let t = Ye[e];
+							t != null && (Xe[e] = c, Ze[e] = l, Ri(t, a, o, y), Ii(t, v, g), Pi(t, fa(c), fa(l), I, L));
 						}
 					}
 				}
 			}
-			if (qe) {
-				let e = Ge.prox;
-				if (Ie || (xn == null ? yn <= e : yn > e || bn != xn)) {
-					let e = Je[0];
-					e != null && (Ye[0] = s, Xe[0] = u, Pi(e, d, f, p), Mi(e, m, h), Ai(e, ca(s), ca(u), L, R));
+			if (Je) {
+				let e = Ke.prox;
+				if (Le || (bn == null ? vn <= e : vn > e || yn != bn)) {
+					let e = Ye[0];
+					e != null && (Xe[0] = s, Ze[0] = u, Ri(e, d, f, p), Ii(e, m, h), Pi(e, fa(s), fa(u), I, L));
 				}
 			}
 		}
-		if (G.show && on) {
+		if (K.show && an) {
 			if (e != null) {
-				let [t, n] = Qn.scales, [r, i] = Qn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
-				if (cn = s._x, ln = s._y, cn || ln) {
+				let [t, n] = Zn.scales, [r, i] = Zn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
+				if (sn = s._x, cn = s._y, sn || cn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && cn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), On(la(v, y), aa(y - v))) : On(0, c), S && ln ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), kn(la(v, y), aa(y - v))) : kn(0, l);
-				} else zn();
+					x && sn ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Dn(pa(v, y), la(y - v))) : Dn(0, c), S && cn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), On(pa(v, y), la(y - v))) : On(0, l);
+				} else Rn();
 			} else {
-				let e = aa(rn - $t), t = aa(an - en);
+				let e = la(nn - Qt), t = la(rn - $t);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
 				}
-				cn = sn.x && e >= sn.dist, ln = sn.y && t >= sn.dist;
-				let n = sn.uni;
-				n == null ? sn.x && sn.y && (cn || ln) && (cn = ln = !0) : cn && ln && (cn = e >= n, ln = t >= n, !cn && !ln && (t > e ? ln = !0 : cn = !0));
+				sn = on.x && e >= on.dist, cn = on.y && t >= on.dist;
+				let n = on.uni;
+				n == null ? on.x && on.y && (sn || cn) && (sn = cn = !0) : sn && cn && (sn = e >= n, cn = t >= n, !sn && !cn && (t > e ? cn = !0 : sn = !0));
 				let r, i;
-				cn && (D.ori == 0 ? (r = tn, i = U) : (r = nn, i = W), On(la(r, i), aa(i - r)), ln || kn(0, l)), ln && (D.ori == 1 ? (r = tn, i = U) : (r = nn, i = W), kn(la(r, i), aa(i - r)), cn || On(0, c)), !cn && !ln && (On(0, 0), kn(0, 0));
+				sn && (D.ori == 0 ? (r = en, i = W) : (r = tn, i = G), Dn(pa(r, i), la(i - r)), cn || On(0, l)), cn && (D.ori == 1 ? (r = en, i = W) : (r = tn, i = G), On(pa(r, i), la(i - r)), sn || Dn(0, c)), !sn && !cn && (Dn(0, 0), On(0, 0));
 			}
 		}
-		if (sn._x = cn, sn._y = ln, e == null) {
+		if (on._x = sn, on._y = cn, e == null) {
 			if (a) {
-				if ($n != null) {
-					let [e, t] = Qn.scales;
-					Qn.values[0] = e == null ? null : wn(D.ori == 0 ? U : W, e), Qn.values[1] = t == null ? null : wn(D.ori == 1 ? U : W, t);
+				if (Qn != null) {
+					let [e, t] = Zn.scales;
+					Zn.values[0] = e == null ? null : Cn(D.ori == 0 ? W : G, e), Zn.values[1] = t == null ? null : Cn(D.ori == 1 ? W : G, t);
 				}
-				tr(ci, r, U, W, L, R, o);
+				er(di, r, W, G, I, L, o);
 			}
-			if (Ke) {
-				let e = a && Qn.setSeries, t = Ge.prox;
-				xn == null ? yn <= t && mn(bn, Sn, !0, e) : yn > t ? mn(null, Sn, !0, e) : bn != xn && mn(bn, Sn, !0, e);
+			if (qe) {
+				let e = a && Zn.setSeries, t = Ke.prox;
+				bn == null ? vn <= t && pn(yn, xn, !0, e) : vn > t ? pn(null, xn, !0, e) : yn != bn && pn(yn, xn, !0, e);
 			}
 		}
-		Ie && (M.idx = o, jn()), n !== !1 && Xn("setCursor");
+		Le && (M.idx = o, An()), n !== !1 && Yn("setCursor");
 	}
-	let Pn = null;
+	let Nn = null;
 	Object.defineProperty(r, "rect", { get() {
-		return Pn ?? Fn(!1), Pn;
+		return Nn ?? Pn(!1), Nn;
 	} });
-	function Fn(e = !1) {
-		e ? Pn = null : (Pn = m.getBoundingClientRect(), Xn("syncRect", Pn));
+	function Pn(e = !1) {
+		e ? Nn = null : (Nn = m.getBoundingClientRect(), Yn("syncRect", Nn));
 	}
-	function In(e, t, n, r, i, a, o) {
-		N._lock || on && e != null && e.movementX == 0 && e.movementY == 0 || (Ln(e, t, n, r, i, a, o, !1, e != null), e == null ? Nn(t, !0, !1) : Nn(null, !0, !0));
+	function Fn(e, t, n, r, i, a, o) {
+		N._lock || an && e != null && e.movementX == 0 && e.movementY == 0 || (In(e, t, n, r, i, a, o, !1, e != null), e == null ? Mn(t, !0, !1) : Mn(null, !0, !0));
 	}
-	function Ln(e, t, n, i, a, o, c, l, u) {
-		if (Pn ?? Fn(!1), Ue(e), e != null) n = e.clientX - Pn.left, i = e.clientY - Pn.top;
+	function In(e, t, n, i, a, o, c, l, u) {
+		if (Nn ?? Pn(!1), We(e), e != null) n = e.clientX - Nn.left, i = e.clientY - Nn.top;
 		else {
 			if (n < 0 || i < 0) {
-				U = -10, W = -10;
+				W = -10, G = -10;
 				return;
 			}
-			let [e, r] = Qn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Qn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? L : R, _ = D.ori == 1 ? L : R, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
+			let [e, r] = Zn.scales, c = t.cursor.sync, [l, u] = c.values, [d, f] = c.scales, [p, m] = Zn.match, h = t.axes[0].side % 2 == 1, g = D.ori == 0 ? I : L, _ = D.ori == 1 ? I : L, v = h ? o : a, y = h ? a : o, x = h ? i : n, S = h ? n : i;
 			if (n = d == null ? x / v * g : p(e, d) ? s(l, b[e], g, 0) : -10, i = f == null ? S / y * _ : m(r, f) ? s(u, b[r], _, 0) : -10, D.ori == 1) {
 				let e = n;
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == ci) && ((n <= 1 || n >= L - 1) && (n = ka(n, L)), (i <= 1 || i >= R - 1) && (i = ka(i, R))), l ? ($t = n, en = i, [tn, nn] = N.move(r, n, i)) : (U = n, W = i);
+		u && (t == null || t.cursor.event.type == di) && ((n <= 1 || n >= I - 1) && (n = Na(n, I)), (i <= 1 || i >= L - 1) && (i = Na(i, L))), l ? (Qt = n, $t = i, [en, tn] = N.move(r, n, i)) : (W = n, G = i);
 	}
-	let Rn = {
+	let Ln = {
 		width: 0,
 		height: 0,
 		left: 0,
 		top: 0
 	};
-	function zn() {
-		dn(Rn, !1);
+	function Rn() {
+		un(Ln, !1);
 	}
-	let Bn, Vn, K, Hn;
+	let zn, Bn, Vn, Hn;
 	function Un(e, t, n, i, a, o, s) {
-		on = !0, cn = ln = sn._x = sn._y = !1, Ln(e, t, n, i, a, o, s, !0, !1), e != null && (ye(ui, bi, Wn, !1), tr(li, r, tn, nn, L, R, null));
-		let { left: c, top: l, width: u, height: d } = G;
-		Bn = c, Vn = l, K = u, Hn = d;
+		an = !0, sn = cn = on._x = on._y = !1, In(e, t, n, i, a, o, s, !0, !1), e != null && (be(pi, Ci, Wn, !1), er(fi, r, en, tn, I, L, null));
+		let { left: c, top: l, width: u, height: d } = K;
+		zn = c, Bn = l, Vn = u, Hn = d;
 	}
 	function Wn(e, t, n, i, a, o, s) {
-		on = sn._x = sn._y = !1, Ln(e, t, n, i, a, o, s, !1, !0);
-		let { left: c, top: l, width: u, height: d } = G, f = u > 0 || d > 0, p = Bn != c || Vn != l || K != u || Hn != d;
-		if (f && p && dn(G), sn.setScale && f && p) {
+		an = on._x = on._y = !1, In(e, t, n, i, a, o, s, !1, !0);
+		let { left: c, top: l, width: u, height: d } = K, f = u > 0 || d > 0, p = zn != c || Bn != l || Vn != u || Hn != d;
+		if (f && p && un(K), on.setScale && f && p) {
 			let e = c, t = u, n = l, r = d;
-			if (D.ori == 1 && (e = l, t = d, n = c, r = u), cn && pn(S, wn(e, S), wn(e + t, S)), ln) for (let e in b) {
+			if (D.ori == 1 && (e = l, t = d, n = c, r = u), sn && fn(S, Cn(e, S), Cn(e + t, S)), cn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != _a && pn(e, wn(n + r, e), wn(n, e));
+				e != S && t.from == null && t.min != xa && fn(e, Cn(n + r, e), Cn(n, e));
 			}
-			zn();
-		} else N.lock && (N._lock = !N._lock, Nn(t, !0, e != null));
-		e != null && (be(ui, bi), tr(ui, r, U, W, L, R, null));
+			Rn();
+		} else N.lock && (N._lock = !N._lock, Mn(t, !0, e != null));
+		e != null && (xe(pi, Ci), er(pi, r, W, G, I, L, null));
 	}
-	function Gn(e, t, n, r, i, a, o) {
+	function q(e, t, n, r, i, a, o) {
 		if (N._lock) return;
-		Ue(e);
-		let s = on;
-		if (on) {
+		We(e);
+		let s = an;
+		if (an) {
 			let e = !0, t = !0, n, r;
-			D.ori == 0 ? (n = cn, r = ln) : (n = ln, r = cn), n && r && (e = U <= 10 || U >= L - 10, t = W <= 10 || W >= R - 10), n && e && (U = U < tn ? 0 : L), r && t && (W = W < nn ? 0 : R), Nn(null, !0, !0), on = !1;
+			D.ori == 0 ? (n = sn, r = cn) : (n = cn, r = sn), n && r && (e = W <= 10 || W >= I - 10, t = G <= 10 || G >= L - 10), n && e && (W = W < en ? 0 : I), r && t && (G = G < tn ? 0 : L), Mn(null, !0, !0), an = !1;
 		}
-		U = -10, W = -10, ae.fill(null), Nn(null, !0, !0), s && (on = s);
+		W = -10, G = -10, ae.fill(null), Mn(null, !0, !0), s && (an = s);
 	}
-	function Kn(e, t, n, i, a, o, s) {
-		N._lock || (Ue(e), ft(), zn(), e != null && tr(pi, r, U, W, L, R, null));
+	function Gn(e, t, n, i, a, o, s) {
+		N._lock || (We(e), pt(), Rn(), e != null && er(gi, r, W, G, I, L, null));
 	}
-	function qn() {
-		y.forEach(Mc), Le(r.width, r.height, !0);
+	function Kn() {
+		y.forEach(Ic), Re(r.width, r.height, !0);
 	}
-	Li(_i, xi, qn);
-	let Jn = {};
-	Jn.mousedown = Un, Jn.mousemove = In, Jn.mouseup = Wn, Jn.dblclick = Kn, Jn.setSeries = (e, t, n, i) => {
-		let a = Qn.match[2];
-		n = a(r, t, n), n != -1 && mn(n, i, !0, !1);
-	}, oe && (ye(li, m, Un), ye(ci, m, In), ye(di, m, (e) => {
-		Ue(e), Fn(!1);
-	}), ye(fi, m, Gn), ye(pi, m, Kn), gc.add(r), r.syncRect = Fn);
-	let Yn = r.hooks = e.hooks || {};
-	function Xn(e, t, n) {
+	Vi(bi, wi, Kn);
+	let qn = {};
+	qn.mousedown = Un, qn.mousemove = Fn, qn.mouseup = Wn, qn.dblclick = Gn, qn.setSeries = (e, t, n, i) => {
+		let a = Zn.match[2];
+		n = a(r, t, n), n != -1 && pn(n, i, !0, !1);
+	}, oe && (be(fi, m, Un), be(di, m, Fn), be(mi, m, (e) => {
+		We(e), Pn(!1);
+	}), be(hi, m, q), be(gi, m, Gn), bc.add(r), r.syncRect = Pn);
+	let Jn = r.hooks = e.hooks || {};
+	function Yn(e, t, n) {
 		Ht ? Ut.push([
 			e,
 			t,
 			n
-		]) : e in Yn && Yn[e].forEach((e) => {
+		]) : e in Jn && Jn[e].forEach((e) => {
 			e.call(null, r, t, n);
 		});
 	}
 	(e.plugins || []).forEach((e) => {
-		for (let t in e.hooks) Yn[t] = (Yn[t] || []).concat(e.hooks[t]);
+		for (let t in e.hooks) Jn[t] = (Jn[t] || []).concat(e.hooks[t]);
 	});
-	let Zn = (e, t, n) => n, Qn = qa({
+	let Xn = (e, t, n) => n, Zn = Za({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: Ta,
-			sub: Ta
+			pub: ka,
+			sub: ka
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			Ea,
-			Ea,
-			Zn
+			Aa,
+			Aa,
+			Xn
 		],
 		values: [null, null]
 	}, N.sync);
-	Qn.match.length == 2 && Qn.match.push(Zn), N.sync = Qn;
-	let $n = Qn.key, er = Ls($n);
+	Zn.match.length == 2 && Zn.match.push(Xn), N.sync = Zn;
+	let Qn = Zn.key, $n = Vs(Qn);
+	function er(e, t, n, r, i, a, o) {
+		Zn.filters.pub(e, t, n, r, i, a, o) && $n.pub(e, t, n, r, i, a, o);
+	}
+	$n.sub(r);
 	function tr(e, t, n, r, i, a, o) {
-		Qn.filters.pub(e, t, n, r, i, a, o) && er.pub(e, t, n, r, i, a, o);
+		Zn.filters.sub(e, t, n, r, i, a, o) && qn[e](null, t, n, r, i, a, o);
 	}
-	er.sub(r);
-	function nr(e, t, n, r, i, a, o) {
-		Qn.filters.sub(e, t, n, r, i, a, o) && Jn[e](null, t, n, r, i, a, o);
+	r.pub = tr;
+	function nr() {
+		$n.unsub(r), bc.delete(r), ye.clear(), Hi(bi, wi, Kn), l.remove(), F?.remove(), Yn("destroy");
 	}
-	r.pub = nr;
+	r.destroy = nr;
 	function rr() {
-		er.unsub(r), gc.delete(r), ve.clear(), Ri(_i, xi, qn), l.remove(), I?.remove(), Xn("destroy");
+		Yn("init", e, t), ft(t || e.data, !1), j[S] ? qt(S, j[S]) : pt(), Ie = K.show && (K.width > 0 || K.height > 0), Fe = Le = !0, Re(e.width, e.height);
 	}
-	r.destroy = rr;
-	function ir() {
-		Xn("init", e, t), dt(t || e.data, !1), j[S] ? Jt(S, j[S]) : ft(), Fe = G.show && (G.width > 0 || G.height > 0), Pe = Ie = !0, Le(e.width, e.height);
-	}
-	return v.forEach(Qe), y.forEach(nt), n ? n instanceof HTMLElement ? (n.appendChild(l), ir()) : n(r, ir) : ir(), r;
+	return v.forEach($e), y.forEach(rt), n ? n instanceof HTMLElement ? (n.appendChild(l), rr()) : n(r, rr) : rr(), r;
 }
-Nc.assign = qa, Nc.fmtNum = na, Nc.rangeNum = Qi, Nc.rangeLog = Ki, Nc.rangeAsinh = qi, Nc.orient = Bs, Nc.pxRatio = q, Nc.join = Qa, Nc.fmtDate = fo, Nc.tzDate = mo, Nc.sync = Ls;
+Lc.assign = Za, Lc.fmtNum = oa, Lc.rangeNum = na, Lc.rangeLog = Xi, Lc.rangeAsinh = Zi, Lc.orient = Ws, Lc.pxRatio = J, Lc.join = no, Lc.fmtDate = go, Lc.tzDate = vo, Lc.sync = Vs;
 {
-	Nc.addGap = Gs, Nc.clipGaps = Ws;
-	let e = Nc.paths = { points: ac };
-	e.linear = lc, e.stepped = uc, e.bars = fc, e.spline = mc;
+	Lc.addGap = Ys, Lc.clipGaps = Js;
+	let e = Lc.paths = { points: lc };
+	e.linear = pc, e.stepped = mc, e.bars = gc, e.spline = vc;
 }
 // src/phase.tsx
-var [Pc, Fc] = [420, 300], $ = {
+var [Rc, zc] = [420, 300], $ = {
 	left: 64,
 	right: 12,
 	top: 10,
 	bottom: 34
 };
-function Ic({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
-	if (yt(() => {
+function Bc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = t.plotted, o = t.run, [s, c] = t.span;
+	if (H(() => {
 		if (!i || !a) return;
 		let t = !1;
 		return e.transport.ask("phase", {
@@ -6864,12 +6876,12 @@ function Ic({ store: e, state: t }) {
 		a,
 		s,
 		c
-	]), !i || !a) return /* @__PURE__ */ B("p", {
+	]), !i || !a) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "Plot two signals: the second is drawn over the first."
 	});
 	if (!n) return null;
-	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Pc - $.left - $.right), g = (e) => Fc - $.bottom - (e - d) / m * (Fc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
+	let [l, u, d, f] = n.box, [p, m] = [u - l || 1, f - d || 1], h = (e) => $.left + (e - l) / p * (Rc - $.left - $.right), g = (e) => zc - $.bottom - (e - d) / m * (zc - $.top - $.bottom), _ = (e, t, n) => `${h(e[n]).toFixed(1)},${g(t[n]).toFixed(1)}`, v = (e) => e[e.length - 1], y = n.pieces.slice(1).map(([e, t], r) => {
 		let [i, a] = n.pieces[r];
 		return {
 			x1: h(v(i)),
@@ -6878,81 +6890,81 @@ function Ic({ store: e, state: t }) {
 			y2: g(t[0])
 		};
 	}), b = t.cursor?.signals, x = b && b[i] != null && b[a] != null ? [h(b[i]), g(b[a])] : null;
-	return /* @__PURE__ */ B("figure", {
+	return /* @__PURE__ */ z("figure", {
 		class: "phase",
 		"aria-label": `${a} over ${i}`,
-		children: /* @__PURE__ */ B("svg", {
-			viewBox: `0 0 ${Pc} ${Fc}`,
+		children: /* @__PURE__ */ z("svg", {
+			viewBox: `0 0 ${Rc} ${zc}`,
 			role: "img",
-			"aria-label": `${a} over ${i}, from ${xe(l)} to ${xe(u)} ${n.units[0]} and from ${xe(d)} to ${xe(f)} ${n.units[1]}`,
+			"aria-label": `${a} over ${i}, from ${Se(l)} to ${Se(u)} ${n.units[0]} and from ${Se(d)} to ${Se(f)} ${n.units[1]}`,
 			children: [
-				/* @__PURE__ */ B("rect", {
+				/* @__PURE__ */ z("rect", {
 					class: "box",
 					x: $.left,
 					y: $.top,
-					width: Pc - $.left - $.right,
-					height: Fc - $.top - $.bottom
+					width: Rc - $.left - $.right,
+					height: zc - $.top - $.bottom
 				}),
-				l < 0 && u > 0 && /* @__PURE__ */ B("line", {
+				l < 0 && u > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: h(0),
 					x2: h(0),
 					y1: $.top,
-					y2: Fc - $.bottom
+					y2: zc - $.bottom
 				}),
-				d < 0 && f > 0 && /* @__PURE__ */ B("line", {
+				d < 0 && f > 0 && /* @__PURE__ */ z("line", {
 					class: "axis",
 					x1: $.left,
-					x2: Pc - $.right,
+					x2: Rc - $.right,
 					y1: g(0),
 					y2: g(0)
 				}),
-				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ B("line", {
+				y.map((e) => Math.hypot(e.x2 - e.x1, e.y2 - e.y1) > 1 && /* @__PURE__ */ z("line", {
 					class: "jump",
 					...e
 				})),
-				n.pieces.map(([e, t]) => /* @__PURE__ */ B("path", {
+				n.pieces.map(([e, t]) => /* @__PURE__ */ z("path", {
 					class: "way",
 					d: `M${e.map((n, r) => _(e, t, r)).join("L")}`
 				})),
-				x && /* @__PURE__ */ B("circle", {
+				x && /* @__PURE__ */ z("circle", {
 					class: "now",
 					cx: x[0],
 					cy: x[1],
 					r: 4.5
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					x: $.left,
-					y: Fc - $.bottom + 14,
-					children: z(l, n.units[0])
+					y: zc - $.bottom + 14,
+					children: R(l, n.units[0])
 				}),
-				/* @__PURE__ */ B("text", {
-					x: Pc - $.right,
-					y: Fc - $.bottom + 14,
+				/* @__PURE__ */ z("text", {
+					x: Rc - $.right,
+					y: zc - $.bottom + 14,
 					"text-anchor": "end",
-					children: z(u, n.units[0])
+					children: R(u, n.units[0])
 				}),
-				/* @__PURE__ */ B("text", {
-					x: (Pc + $.left) / 2,
-					y: Fc - 6,
+				/* @__PURE__ */ z("text", {
+					x: (Rc + $.left) / 2,
+					y: zc - 6,
 					"text-anchor": "middle",
 					class: "what",
 					children: i
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
-					y: Fc - $.bottom,
+					y: zc - $.bottom,
 					"text-anchor": "end",
-					children: z(d, n.units[1])
+					children: R(d, n.units[1])
 				}),
-				/* @__PURE__ */ B("text", {
+				/* @__PURE__ */ z("text", {
 					x: $.left - 5,
 					y: $.top + 10,
 					"text-anchor": "end",
-					children: z(f, n.units[1])
+					children: R(f, n.units[1])
 				}),
-				/* @__PURE__ */ B("text", {
-					transform: `translate(12,${(Fc - $.bottom) / 2}) rotate(-90)`,
+				/* @__PURE__ */ z("text", {
+					transform: `translate(12,${(zc - $.bottom) / 2}) rotate(-90)`,
 					"text-anchor": "middle",
 					class: "what",
 					children: a
@@ -6962,7 +6974,7 @@ function Ic({ store: e, state: t }) {
 	});
 }
 // src/plots.tsx
-var Lc = [
+var Vc = [
 	"--c1",
 	"--c2",
 	"--c3",
@@ -6970,16 +6982,16 @@ var Lc = [
 	"--c5",
 	"--c6"
 ];
-function Rc({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(!1), [o, s] = H(800), c = bt(null), l = t.run, [u, d] = t.span;
-	yt(() => {
+function Hc({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(!1), [o, s] = V(800), c = St(null), l = t.run, [u, d] = t.span;
+	H(() => {
 		let e = c.current;
 		if (!e) return;
 		let t = new ResizeObserver(() => s(Math.max(200, e.clientWidth - 18)));
 		return t.observe(e), () => t.disconnect();
 	}, [!l]);
 	let f = t.plotted.join("\n");
-	if (yt(() => {
+	if (H(() => {
 		if (!l) return;
 		let n = !1, a = i ? t.runs.filter((e) => e.tEnd !== void 0) : [l];
 		return Promise.all(a.map((n) => e.transport.ask("curves", {
@@ -7006,44 +7018,44 @@ function Rc({ store: e, state: t }) {
 		o,
 		i,
 		t.runs.length
-	]), t.running && t.soFar) return /* @__PURE__ */ B(zc, {
+	]), t.running && t.soFar) return /* @__PURE__ */ z(Uc, {
 		state: t,
 		soFar: t.soFar
 	});
-	if (!l || l.tEnd === void 0) return /* @__PURE__ */ B("p", {
+	if (!l || l.tEnd === void 0) return /* @__PURE__ */ z("p", {
 		class: "hint plots",
 		children: [
 			l?.error ? "" : t.running ? "Running …" : "Press Run.",
 			" ",
-			t.plan && /* @__PURE__ */ B("button", {
+			t.plan && /* @__PURE__ */ z("button", {
 				onClick: () => e.set({ planShown: !0 }),
 				children: "← Sweep"
 			})
 		]
 	});
 	let p = t.cursor?.t ?? null, m = u === l.tBegin && d === l.tEnd;
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: c,
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "plotbar",
 				children: [
-					t.plan && /* @__PURE__ */ B("button", {
+					t.plan && /* @__PURE__ */ z("button", {
 						onClick: () => e.set({ planShown: !0 }),
 						children: "← Sweep"
 					}),
-					l.own && /* @__PURE__ */ B("b", {
+					l.own && /* @__PURE__ */ z("b", {
 						class: "own",
 						children: l.title
 					}),
-					/* @__PURE__ */ B(Bc, {
+					/* @__PURE__ */ z(Wc, {
 						store: e,
 						state: t,
 						run: l
 					}),
-					t.runs.length > 1 && /* @__PURE__ */ B("label", { children: [
-						/* @__PURE__ */ B("input", {
+					t.runs.length > 1 && /* @__PURE__ */ z("label", { children: [
+						/* @__PURE__ */ z("input", {
 							type: "checkbox",
 							checked: i,
 							onChange: (e) => a(e.currentTarget.checked)
@@ -7052,15 +7064,15 @@ function Rc({ store: e, state: t }) {
 						t.runs.length,
 						" runs"
 					] }),
-					!m && /* @__PURE__ */ B("button", {
+					!m && /* @__PURE__ */ z("button", {
 						onClick: () => e.set({ span: [l.tBegin, l.tEnd] }),
 						children: "Whole run"
 					}),
-					/* @__PURE__ */ B("label", {
+					/* @__PURE__ */ z("label", {
 						class: "scrub",
 						children: [
-							/* @__PURE__ */ B("span", { children: "t" }),
-							/* @__PURE__ */ B("input", {
+							/* @__PURE__ */ z("span", { children: "t" }),
+							/* @__PURE__ */ z("input", {
 								type: "range",
 								"aria-label": "Time cursor",
 								min: l.tBegin,
@@ -7071,28 +7083,28 @@ function Rc({ store: e, state: t }) {
 									e.set({ instant: null }), e.moveCursor(Number(t.currentTarget.value));
 								}
 							}),
-							/* @__PURE__ */ B("output", { children: p === null ? "" : z(p, "s") })
+							/* @__PURE__ */ z("output", { children: p === null ? "" : R(p, "s") })
 						]
 					}),
-					/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
+					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 						type: "checkbox",
 						checked: t.phase,
 						onChange: (t) => e.set({ phase: t.currentTarget.checked })
 					}), " phase plane"] }),
-					/* @__PURE__ */ B("label", { children: [/* @__PURE__ */ B("input", {
+					/* @__PURE__ */ z("label", { children: [/* @__PURE__ */ z("input", {
 						type: "checkbox",
 						checked: t.flowing,
 						onChange: (t) => e.set({ flowing: t.currentTarget.checked })
 					}), " power along bonds"] })
 				]
 			}),
-			l.doubt && /* @__PURE__ */ B("p", {
+			l.doubt && /* @__PURE__ */ z("p", {
 				class: "doubt",
 				children: l.doubt.said
 			}),
-			t.plotted.map((r, i) => /* @__PURE__ */ B(Vc, {
+			t.plotted.map((r, i) => /* @__PURE__ */ z(Gc, {
 				name: r,
-				ink: Lc[i % Lc.length],
+				ink: Vc[i % Vc.length],
 				curves: (n?.runs ?? []).flatMap((e) => e.curves.filter((e) => e.name === r)),
 				span: t.span,
 				cursor: p,
@@ -7106,11 +7118,11 @@ function Rc({ store: e, state: t }) {
 					e.set({ instant: null }), e.moveCursor(t);
 				}
 			}, r)),
-			t.phase && /* @__PURE__ */ B(Ic, {
+			t.phase && /* @__PURE__ */ z(Bc, {
 				store: e,
 				state: t
 			}),
-			/* @__PURE__ */ B(Gc, {
+			/* @__PURE__ */ z(Yc, {
 				lanes: n?.strip ?? [],
 				span: t.span,
 				cursor: p,
@@ -7119,14 +7131,14 @@ function Rc({ store: e, state: t }) {
 		]
 	});
 }
-function zc({ state: e, soFar: t }) {
-	let n = bt(null), r = [t.tBegin, t.tEnd];
-	return /* @__PURE__ */ B("div", {
+function Uc({ state: e, soFar: t }) {
+	let n = St(null), r = [t.tBegin, t.tEnd];
+	return /* @__PURE__ */ z("div", {
 		class: "plots",
 		ref: n,
-		children: [t.curves.map((i, a) => /* @__PURE__ */ B(Vc, {
+		children: [t.curves.map((i, a) => /* @__PURE__ */ z(Gc, {
 			name: i.name,
-			ink: Lc[a % Lc.length],
+			ink: Vc[a % Vc.length],
 			curves: [i],
 			span: r,
 			cursor: null,
@@ -7136,7 +7148,7 @@ function zc({ state: e, soFar: t }) {
 			last: a === t.curves.length - 1,
 			onSpan: () => {},
 			onTime: () => {}
-		}, i.name)), /* @__PURE__ */ B(Gc, {
+		}, i.name)), /* @__PURE__ */ z(Yc, {
 			lanes: t.strip,
 			span: r,
 			cursor: null,
@@ -7144,18 +7156,18 @@ function zc({ state: e, soFar: t }) {
 		})]
 	});
 }
-function Bc({ store: e, state: t, run: n }) {
+function Wc({ store: e, state: t, run: n }) {
 	let r = (t.look?.view.nodes ?? []).flatMap((e) => e.kind === "part" ? [] : [`${e.name}.e`, `${e.name}.f`]), i = [.../* @__PURE__ */ new Set([...n.names, ...r])].filter((e) => !t.plotted.includes(e));
-	return /* @__PURE__ */ B("span", {
+	return /* @__PURE__ */ z("span", {
 		class: "chooser",
 		children: [
-			t.plotted.map((n) => /* @__PURE__ */ B("button", {
+			t.plotted.map((n) => /* @__PURE__ */ z("button", {
 				class: "chip",
 				"aria-label": `Do not plot ${n}`,
 				onClick: () => e.set({ plotted: t.plotted.filter((e) => e !== n) }),
 				children: [n, " ✕"]
 			})),
-			/* @__PURE__ */ B("input", {
+			/* @__PURE__ */ z("input", {
 				"aria-label": "Plot a signal",
 				placeholder: "plot …",
 				list: "signals",
@@ -7165,14 +7177,14 @@ function Bc({ store: e, state: t, run: n }) {
 					r && e.set({ plotted: [...t.plotted, r] }), n.currentTarget.value = "";
 				}
 			}),
-			/* @__PURE__ */ B("datalist", {
+			/* @__PURE__ */ z("datalist", {
 				id: "signals",
-				children: i.map((e) => /* @__PURE__ */ B("option", { value: e }))
+				children: i.map((e) => /* @__PURE__ */ z("option", { value: e }))
 			})
 		]
 	});
 }
-var Vc = class extends S {
+var Gc = class extends S {
 	box = b();
 	plot = null;
 	componentDidMount() {
@@ -7191,8 +7203,8 @@ var Vc = class extends S {
 		a.replaceChildren();
 		let o = e.filter((e) => !e.error);
 		if (!o.length) return;
-		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Lc[(t + 3) % Lc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Nc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
-		this.plot = new Nc({
+		let s = getComputedStyle(a), c = s.getPropertyValue("--ink"), l = s.getPropertyValue("--line"), u = o.map((e, t) => s.getPropertyValue(t === o.length - 1 ? this.props.ink : Vc[(t + 3) % Vc.length])), d = o.map((e) => [e.t, e.y]), f = d.length === 1 ? d[0] : Lc.join(d), p = o[o.length - 1].unit, m = o.flatMap((e) => e.impulses);
+		this.plot = new Lc({
 			width: Math.max(n - 4, 200),
 			height: r ? 138 : 118,
 			padding: [
@@ -7214,7 +7226,7 @@ var Vc = class extends S {
 					time: !1,
 					range: () => t
 				},
-				y: { range: (e, t, n) => Hc(t, n, m.length > 0) }
+				y: { range: (e, t, n) => Kc(t, n, m.length > 0) }
 			},
 			axes: [{
 				show: r,
@@ -7225,7 +7237,7 @@ var Vc = class extends S {
 				},
 				ticks: { stroke: l },
 				size: 26,
-				values: (e, t) => Uc(t, "s")
+				values: (e, t) => qc(t, "s")
 			}, {
 				stroke: c,
 				grid: {
@@ -7238,7 +7250,7 @@ var Vc = class extends S {
 				labelSize: 18,
 				labelFont: "11px sans-serif",
 				font: "10px sans-serif",
-				values: (e, t) => Uc(t, p)
+				values: (e, t) => qc(t, p)
 			}],
 			series: [{}, ...o.map((e, t) => ({
 				stroke: u[t],
@@ -7271,7 +7283,7 @@ var Vc = class extends S {
 			if (p < a || p > a + s) continue;
 			let m = l - Math.sign(f) * (.25 + .3 * Math.abs(f) / i) * c, h = Math.min(Math.max(m, o + 6 * d), o + c - 6 * d), g = Math.sign(h - l) || 1;
 			if (u.beginPath(), u.moveTo(p, l), u.lineTo(p, h), u.moveTo(p - 4 * d, h - 7 * d * g), u.lineTo(p, h), u.lineTo(p + 4 * d, h - 7 * d * g), u.stroke(), t.length <= 12) {
-				let e = `${z(f, R(r))} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
+				let e = `${R(f, L(r))} δ`, t = p + 8 * d + u.measureText(e).width < a + s;
 				u.textAlign = t ? "left" : "right", u.fillText(e, p + (t ? 6 : -6) * d, (l + h) / 2);
 			}
 		}
@@ -7293,16 +7305,16 @@ var Vc = class extends S {
 	}
 	render({ name: e, curves: t, value: n, cursor: r }) {
 		let i = t.find((e) => e.error);
-		return /* @__PURE__ */ B("figure", {
+		return /* @__PURE__ */ z("figure", {
 			class: "trace",
 			"aria-label": `Plot of ${e}`,
 			children: [
-				/* @__PURE__ */ B("div", { ref: this.box }),
-				r !== null && /* @__PURE__ */ B("output", {
+				/* @__PURE__ */ z("div", { ref: this.box }),
+				r !== null && /* @__PURE__ */ z("output", {
 					class: "reading",
-					children: z(n, t.find((e) => !e.error)?.unit ?? "")
+					children: R(n, t.find((e) => !e.error)?.unit ?? "")
 				}),
-				i && /* @__PURE__ */ B("p", {
+				i && /* @__PURE__ */ z("p", {
 					class: "hint",
 					children: [
 						i.error.code,
@@ -7314,13 +7326,13 @@ var Vc = class extends S {
 		});
 	}
 };
-function Hc(e, t, n) {
+function Kc(e, t, n) {
 	let [r, i] = [e ?? 0, t ?? 1];
 	n && ([r, i] = [Math.min(r, 0), Math.max(i, 0)]);
 	let a = .08 * (i - r) || .1 * Math.abs(r) || 1;
 	return [r - a, i + a];
 }
-function Uc(e, t) {
+function qc(e, t) {
 	let n = Math.max(...e.map(Math.abs)), r = [
 		1e9,
 		1e6,
@@ -7339,9 +7351,9 @@ function Uc(e, t) {
 		1e-9: "n",
 		1e-12: "p"
 	}[r] ?? "", a = /^[A-Za-zΩ]+$/.test(t) && t !== "kg";
-	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${L(t)}`);
+	return e.map((e) => a ? `${+(e / r).toPrecision(5)} ${i}${t}` : `${+e.toPrecision(5)} ${I(t)}`);
 }
-var Wc = [
+var Jc = [
 	"var(--s0)",
 	"var(--s1)",
 	"var(--s2)",
@@ -7351,21 +7363,21 @@ var Wc = [
 	"var(--s6)",
 	"var(--s7)"
 ];
-function Gc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
+function Yc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	if (!e.length) return null;
 	let a = (e) => 1e3 * (e - t) / (n - t || 1);
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "strip",
 		children: [
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "stripnames",
 				"aria-hidden": "true",
-				children: e.map((e) => /* @__PURE__ */ B("span", {
+				children: e.map((e) => /* @__PURE__ */ z("span", {
 					title: e.machine,
 					children: e.machine
 				}))
 			}),
-			/* @__PURE__ */ B("svg", {
+			/* @__PURE__ */ z("svg", {
 				viewBox: `0 0 1000 ${18 * e.length}`,
 				preserveAspectRatio: "none",
 				style: { height: `${18 * e.length}px` },
@@ -7375,24 +7387,24 @@ function Gc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					let r = e.currentTarget.getBoundingClientRect();
 					i(t + (e.clientX - r.left) / r.width * (n - t));
 				},
-				children: [e.map((e, r) => /* @__PURE__ */ B("g", {
+				children: [e.map((e, r) => /* @__PURE__ */ z("g", {
 					transform: `translate(0,${r * 18})`,
-					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ B("rect", {
+					children: [e.stays?.map(([r, i, o]) => /* @__PURE__ */ z("rect", {
 						x: a(Math.max(r, t)),
 						width: Math.max(.7, a(Math.min(i, n)) - a(Math.max(r, t))),
 						y: 1,
 						height: 16,
-						fill: Wc[o % Wc.length],
-						children: /* @__PURE__ */ B("title", { children: e.states[o] })
-					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ B("rect", {
+						fill: Jc[o % Jc.length],
+						children: /* @__PURE__ */ z("title", { children: e.states[o] })
+					})), e.shares?.map((e, t) => e.map((n, r) => n > 0 ? /* @__PURE__ */ z("rect", {
 						x: 1e3 * r / e.length,
 						width: 1e3 / e.length,
 						y: 1,
 						height: 16,
-						fill: Wc[t % Wc.length],
+						fill: Jc[t % Jc.length],
 						opacity: n
 					}) : null))]
-				})), r !== null && r >= t && r <= n && /* @__PURE__ */ B("line", {
+				})), r !== null && r >= t && r <= n && /* @__PURE__ */ z("line", {
 					class: "now",
 					x1: a(r),
 					x2: a(r),
@@ -7400,10 +7412,10 @@ function Gc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 					y2: 18 * e.length
 				})]
 			}),
-			/* @__PURE__ */ B("div", {
+			/* @__PURE__ */ z("div", {
 				class: "stripwords",
 				"aria-hidden": "true",
-				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ B("span", {
+				children: e.map((e, r) => e.stays?.filter(([e, r]) => a(Math.min(r, n)) - a(Math.max(e, t)) > 60).map(([i, o, s]) => /* @__PURE__ */ z("span", {
 					style: {
 						left: `${(a(Math.max(i, t)) + a(Math.min(o, n))) / 20}%`,
 						top: `${r * 18}px`
@@ -7415,20 +7427,20 @@ function Gc({ lanes: e, span: [t, n], cursor: r, onTime: i }) {
 	});
 }
 // src/power.tsx
-var Kc = {
+var Xc = {
 	C: ["gives back", "stores"],
 	I: ["gives back", "stores"],
 	R: ["gives", "dissipates"],
 	G: ["gives", "dissipates"],
 	Se: ["supplies", "absorbs"],
 	Sf: ["supplies", "absorbs"]
-}, qc = 150, [Jc, Yc, Xc, Zc] = [
+}, Zc = 150, [Qc, $c, el, tl] = [
 	310,
 	17,
 	7,
 	10
 ];
-function Qc(e) {
+function nl(e) {
 	let t = e.cursor?.values ?? {}, { nodes: n, bonds: r } = e.look.view, i = /* @__PURE__ */ new Map();
 	for (let e of r) {
 		let n = t[e.key];
@@ -7448,26 +7460,26 @@ function Qc(e) {
 		unknown: a.filter((e) => i.get(e.name) === null).map((e) => e.name)
 	};
 }
-function $c({ gives: e, takes: t }) {
-	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * (Yc + Xc) + 120, o = (a - i * Xc - 8) / r, s = (e, t) => {
+function rl({ gives: e, takes: t }) {
+	let n = (e) => e.reduce((e, t) => e + t.size, 0), r = Math.max(n(e), n(t)) || 1, i = Math.max(1, e.length, t.length), a = i * ($c + el) + 120, o = (a - i * el - 8) / r, s = (e, t) => {
 		let n = 4, r = 4;
 		return e.map((e) => {
 			let i = e.size * o, [a, s] = [n, r];
-			n += Math.max(i, 1) + Xc, r += i;
-			let [c, l] = t ? [Zc, Jc / 2 - Zc / 2] : [Jc - Zc, Jc / 2 + Zc / 2], u = (c + l) / 2;
-			return /* @__PURE__ */ B("g", {
+			n += Math.max(i, 1) + el, r += i;
+			let [c, l] = t ? [tl, Qc / 2 - tl / 2] : [Qc - tl, Qc / 2 + tl / 2], u = (c + l) / 2;
+			return /* @__PURE__ */ z("g", {
 				class: "flow " + (t ? "gives" : "takes"),
 				onClick: e.select,
 				children: [
-					/* @__PURE__ */ B("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
-					/* @__PURE__ */ B("rect", {
-						x: t ? 0 : Jc - Zc,
+					/* @__PURE__ */ z("path", { d: `M${c},${a}C${u},${a} ${u},${s} ${l},${s}V${s + i}C${u},${s + i} ${u},${a + i} ${c},${a + i}Z` }),
+					/* @__PURE__ */ z("rect", {
+						x: t ? 0 : Qc - tl,
 						y: a,
-						width: Zc,
+						width: tl,
 						height: Math.max(i, 1)
 					}),
-					/* @__PURE__ */ B("text", {
-						x: t ? Zc + 4 : Jc - Zc - 4,
+					/* @__PURE__ */ z("text", {
+						x: t ? tl + 4 : Qc - tl - 4,
 						y: a + Math.max(i, 1) / 2 + 4,
 						"text-anchor": t ? "start" : "end",
 						children: e.name
@@ -7476,63 +7488,63 @@ function $c({ gives: e, takes: t }) {
 			});
 		});
 	};
-	return /* @__PURE__ */ B("svg", {
+	return /* @__PURE__ */ z("svg", {
 		class: "sankey",
-		viewBox: `0 0 ${Jc} ${a}`,
+		viewBox: `0 0 ${Qc} ${a}`,
 		role: "img",
 		"aria-label": `Sankey diagram: ${e.map((e) => e.name).join(", ")} give, ${t.map((e) => e.name).join(", ")} take`,
 		children: [
 			s(e, !0),
 			s(t, !1),
-			/* @__PURE__ */ B("rect", {
+			/* @__PURE__ */ z("rect", {
 				class: "middle-bar",
-				x: Jc / 2 - Zc / 2,
+				x: Qc / 2 - tl / 2,
 				y: 4,
-				width: Zc,
+				width: tl,
 				height: r * o
 			})
 		]
 	});
 }
-function el({ store: e, state: t }) {
-	let [n, r] = H(!1);
-	return t.cursor ? /* @__PURE__ */ B("section", {
+function il({ store: e, state: t }) {
+	let [n, r] = V(!1);
+	return t.cursor ? /* @__PURE__ */ z("section", {
 		class: "power-panel",
-		children: [/* @__PURE__ */ B("div", {
+		children: [/* @__PURE__ */ z("div", {
 			class: "row",
 			role: "group",
 			"aria-label": "What is shown",
-			children: [/* @__PURE__ */ B("button", {
+			children: [/* @__PURE__ */ z("button", {
 				"aria-pressed": !n,
 				onClick: () => r(!1),
 				children: "Power at the cursor"
-			}), /* @__PURE__ */ B("button", {
+			}), /* @__PURE__ */ z("button", {
 				"aria-pressed": n,
 				onClick: () => r(!0),
 				children: "Energy up to it"
 			})]
-		}), B(n ? tl : nl, {
+		}), z(n ? al : ol, {
 			store: e,
 			state: t
 		})]
-	}) : /* @__PURE__ */ B("p", {
+	}) : /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "Run the model and choose a time in its plots."
 	});
 }
-function tl({ store: e, state: t }) {
-	let [n, r] = H(null), i = t.cursor.t, a = t.run?.run;
-	if (yt(() => {
+function al({ store: e, state: t }) {
+	let [n, r] = V(null), i = t.cursor.t, a = t.run?.run;
+	if (H(() => {
 		let t = !1, n = setTimeout(() => {
 			e.transport.ask("energies", {
 				run: a,
 				t: i
 			}).then((e) => !t && r(e)).catch((t) => e.refused(t));
-		}, qc);
+		}, Zc);
 		return () => {
 			t = !0, clearTimeout(n);
 		};
-	}, [a, i]), !n) return /* @__PURE__ */ B("p", {
+	}, [a, i]), !n) return /* @__PURE__ */ z("p", {
 		class: "hint",
 		children: "…"
 	});
@@ -7544,54 +7556,54 @@ function tl({ store: e, state: t }) {
 			bonds: /* @__PURE__ */ new Set()
 		}) : void 0
 	}), c = (e) => e.reduce((e, t) => e + t.energy, 0);
-	return /* @__PURE__ */ B(x, { children: [
-		/* @__PURE__ */ B("h2", { children: [
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("h2", { children: [
 			"Energy from ",
-			z(n.start, "s"),
+			R(n.start, "s"),
 			" to ",
-			z(n.end, "s")
+			R(n.end, "s")
 		] }),
-		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ B($c, {
+		n.gives.length + n.takes.length > 0 ? /* @__PURE__ */ z(rl, {
 			gives: n.gives.map(s),
 			takes: n.takes.map(s)
-		}) : /* @__PURE__ */ B("p", {
+		}) : /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: "No energy has flowed."
 		}),
-		/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
-			/* @__PURE__ */ B("th", {
+		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "element"
 			}),
-			/* @__PURE__ */ B("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "did"
 			}),
-			/* @__PURE__ */ B("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "energy"
 			})
-		] }) }), /* @__PURE__ */ B("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ B("tr", { children: [
-			/* @__PURE__ */ B("td", { children: e.name }),
-			/* @__PURE__ */ B("td", { children: t }),
-			/* @__PURE__ */ B("td", {
+		] }) }), /* @__PURE__ */ z("tbody", { children: [...n.gives.map((e) => [e, "gave"]), ...n.takes.map((e) => [e, "took"])].map(([e, t]) => /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("td", { children: e.name }),
+			/* @__PURE__ */ z("td", { children: t }),
+			/* @__PURE__ */ z("td", {
 				class: "figure",
-				children: z(e.energy, "J")
+				children: R(e.energy, "J")
 			})
 		] })) })] }),
-		/* @__PURE__ */ B("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"given ",
-				z(c(n.gives), "J"),
+				R(c(n.gives), "J"),
 				", taken ",
-				z(c(n.takes), "J")
+				R(c(n.takes), "J")
 			]
 		})
 	] });
 }
-function nl({ store: e, state: t }) {
-	let { found: n, unknown: r } = Qc(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
+function ol({ store: e, state: t }) {
+	let { found: n, unknown: r } = nl(t), i = Math.max(0, ...n.map((e) => Math.abs(e.power))), a = n.filter((e) => Math.abs(e.power) > 1e-6 * i).sort((e, t) => Math.abs(t.power) - Math.abs(e.power)), o = a.filter((e) => e.power < 0), s = a.filter((e) => e.power > 0), c = (e) => e.reduce((e, t) => e + Math.abs(t.power), 0), l = (t) => e.set({
 		nodes: /* @__PURE__ */ new Set([t.name]),
 		bonds: /* @__PURE__ */ new Set()
 	}), u = (e) => ({
@@ -7599,62 +7611,62 @@ function nl({ store: e, state: t }) {
 		size: Math.abs(e.power),
 		select: () => l(e.node)
 	});
-	return /* @__PURE__ */ B(x, { children: [
-		/* @__PURE__ */ B("h2", { children: ["Power at t = ", z(t.cursor.t, "s")] }),
-		a.length > 0 ? /* @__PURE__ */ B($c, {
+	return /* @__PURE__ */ z(x, { children: [
+		/* @__PURE__ */ z("h2", { children: ["Power at t = ", R(t.cursor.t, "s")] }),
+		a.length > 0 ? /* @__PURE__ */ z(rl, {
 			gives: o.map(u),
 			takes: s.map(u)
-		}) : /* @__PURE__ */ B("p", {
+		}) : /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: "No power flows."
 		}),
-		/* @__PURE__ */ B("table", { children: [/* @__PURE__ */ B("thead", { children: /* @__PURE__ */ B("tr", { children: [
-			/* @__PURE__ */ B("th", {
+		/* @__PURE__ */ z("table", { children: [/* @__PURE__ */ z("thead", { children: /* @__PURE__ */ z("tr", { children: [
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "element"
 			}),
-			/* @__PURE__ */ B("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "does"
 			}),
-			/* @__PURE__ */ B("th", {
+			/* @__PURE__ */ z("th", {
 				scope: "col",
 				children: "power"
 			})
-		] }) }), /* @__PURE__ */ B("tbody", { children: a.map((e) => /* @__PURE__ */ B("tr", {
+		] }) }), /* @__PURE__ */ z("tbody", { children: a.map((e) => /* @__PURE__ */ z("tr", {
 			class: t.nodes.has(e.node.name) ? "chosen" : "",
 			children: [
-				/* @__PURE__ */ B("td", { children: /* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("td", { children: /* @__PURE__ */ z("button", {
 					class: "link",
 					onClick: () => l(e.node),
 					children: e.node.name
 				}) }),
-				/* @__PURE__ */ B("td", { children: (Kc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
-				/* @__PURE__ */ B("td", {
+				/* @__PURE__ */ z("td", { children: (Xc[e.node.kind] ?? ["gives", "takes"])[+(e.power > 0)] }),
+				/* @__PURE__ */ z("td", {
 					class: "figure",
-					children: z(Math.abs(e.power), "W")
+					children: R(Math.abs(e.power), "W")
 				})
 			]
 		})) })] }),
-		r.length > 0 && /* @__PURE__ */ B("p", {
+		r.length > 0 && /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: ["not determined: ", r.join(", ")]
 		}),
-		/* @__PURE__ */ B("p", {
+		/* @__PURE__ */ z("p", {
 			class: "hint",
 			children: [
 				"supplied and given back ",
-				z(c(o), "W"),
+				R(c(o), "W"),
 				", taken ",
-				z(c(s), "W")
+				R(c(s), "W")
 			]
 		})
 	] });
 }
 // src/splitter.tsx
-function rl(e) {
+function sl(e) {
 	let t = (t) => e.onChange(Math.round(Math.max(e.least, Math.min(e.most, t))));
-	return /* @__PURE__ */ B("div", {
+	return /* @__PURE__ */ z("div", {
 		class: "splitter " + (e.upright ? "upright" : "level"),
 		role: "separator",
 		tabindex: 0,
@@ -7683,12 +7695,12 @@ function rl(e) {
 	});
 }
 // src/transport.ts
-var il = class extends Error {
+var cl = class extends Error {
 	problem;
 	constructor(e) {
 		super(e.why), this.problem = e;
 	}
-}, al = class {
+}, ll = class {
 	count = 0;
 	waiting = /* @__PURE__ */ new Map();
 	held = [];
@@ -7724,19 +7736,19 @@ var il = class extends Error {
 		if (typeof e.id == "number") {
 			let t = this.waiting.get(e.id);
 			if (this.waiting.delete(e.id), !t) return;
-			e.error ? t.failed(new il(e.error)) : t.done(e);
+			e.error ? t.failed(new cl(e.error)) : t.done(e);
 		} else this.onTold(e);
 	}
 };
 // src/schematic.tsx
-function ol({ store: e, state: t }) {
-	let [n, r] = H(null), [i, a] = H(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
-	yt(() => {
+function ul({ store: e, state: t }) {
+	let [n, r] = V(null), [i, a] = V(""), o = t.look, s = o.view.nodes.map((e) => `${e.x},${e.y}`).join(" ");
+	H(() => {
 		let t = !1;
 		return e.transport.ask("schematic", { level: o.view.path }).then((e) => {
 			t || (r(e), a(""));
 		}).catch((e) => {
-			t || (r(null), a(e instanceof il ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
+			t || (r(null), a(e instanceof cl ? `${e.problem.why}. ${e.problem.try ?? ""}` : String(e)));
 		}), () => {
 			t = !0;
 		};
@@ -7767,32 +7779,32 @@ function ol({ store: e, state: t }) {
 		let i = o.view.nodes.find((e) => e.name === r);
 		n === "part" && i?.kind === "part" && i.known && e.open(t.level ? `${t.level}.${r}` : r);
 	};
-	return /* @__PURE__ */ B("section", {
+	return /* @__PURE__ */ z("section", {
 		class: "schematic",
 		"aria-label": "Schematic",
-		children: [i && /* @__PURE__ */ B("p", {
+		children: [i && /* @__PURE__ */ z("p", {
 			class: "hint",
 			children: i
-		}), n && /* @__PURE__ */ B("svg", {
+		}), n && /* @__PURE__ */ z("svg", {
 			viewBox: `0 0 ${n.width} ${n.height}`,
 			style: { maxWidth: `${n.width * 1.6}px` },
 			role: "img",
 			"aria-label": `Schematic: ${n.groups.filter((e) => e.name === "part").map((e) => e.key).join(", ")}`,
-			children: n.groups.map((e) => /* @__PURE__ */ B("g", {
+			children: n.groups.map((e) => /* @__PURE__ */ z("g", {
 				class: e.name + (l(e.name, e.key) ? " selected" : "") + (f(e.name, e.key) ? " off" : ""),
 				"data-schematic": e.key,
 				onClick: (t) => p(t, e.name, e.key),
 				onDblClick: () => m(e.name, e.key),
-				children: [e.about && /* @__PURE__ */ B("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ B("text", {
+				children: [e.about && /* @__PURE__ */ z("title", { children: e.about }), e.marks.map((e) => e.d === void 0 ? /* @__PURE__ */ z("text", {
 					class: e.role,
 					x: e.x,
 					y: e.y,
 					"text-anchor": e.anchor,
 					children: e.text
-				}) : /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("path", {
+				}) : /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("path", {
 					class: "reach",
 					d: e.d
-				}), /* @__PURE__ */ B("path", {
+				}), /* @__PURE__ */ z("path", {
 					class: e.role,
 					d: e.d
 				})] }))]
@@ -7801,7 +7813,7 @@ function ol({ store: e, state: t }) {
 	});
 }
 // src/app.tsx
-var sl = [
+var dl = [
 	["item", "Properties"],
 	["machines", "Machines"],
 	["model", "Model"],
@@ -7811,7 +7823,7 @@ var sl = [
 	["equations", "Equations"],
 	["power", "Power"],
 	["plan", "Sweep"]
-], cl = class extends S {
+], fl = class extends S {
 	state = this.props.store.state;
 	stop = () => {};
 	componentDidMount() {
@@ -7859,39 +7871,39 @@ var sl = [
 	};
 	render({ store: e }, t) {
 		let n = t.look;
-		if (!n) return /* @__PURE__ */ B("div", {
+		if (!n) return /* @__PURE__ */ z("div", {
 			class: "studio loading",
 			role: "status",
 			children: t.connected ? "Opening …" : "Connecting …"
 		});
 		let r = t.dark === null ? "" : t.dark ? " dark" : " light", i = n.problems.filter((e) => e.grave === "error").length, a = n.problems.length - i, o = [...t.nodes, ...[...t.bonds].map((e) => n.view.bonds.find((t) => t.key === e)?.text)].join(", ");
-		return /* @__PURE__ */ B("main", {
+		return /* @__PURE__ */ z("main", {
 			class: "studio" + r + (t.bottom ? " withbottom" : ""),
 			style: `--side: ${t.room.side}px; --low: ${t.room.low ? `${t.room.low}px` : "44%"}`,
 			children: [
-				/* @__PURE__ */ B(ul, {
+				/* @__PURE__ */ z(ml, {
 					store: e,
 					state: t,
 					errors: i
 				}),
-				/* @__PURE__ */ B("div", {
+				/* @__PURE__ */ z("div", {
 					class: "middle",
 					children: [
-						/* @__PURE__ */ B(On, {
+						/* @__PURE__ */ z(An, {
 							store: e,
 							state: t
 						}),
-						/* @__PURE__ */ B("div", {
+						/* @__PURE__ */ z("div", {
 							class: "canvases" + (t.schematic ? " two" : ""),
-							children: [/* @__PURE__ */ B(tt, {
+							children: [/* @__PURE__ */ z(it, {
 								store: e,
 								state: t
-							}), t.schematic && /* @__PURE__ */ B(ol, {
+							}), t.schematic && /* @__PURE__ */ z(ul, {
 								store: e,
 								state: t
 							})]
 						}),
-						/* @__PURE__ */ B(rl, {
+						/* @__PURE__ */ z(sl, {
 							upright: !0,
 							label: "Width of the panels",
 							value: t.room.side,
@@ -7903,64 +7915,64 @@ var sl = [
 								side: n
 							} })
 						}),
-						/* @__PURE__ */ B("aside", {
+						/* @__PURE__ */ z("aside", {
 							class: "side" + (t.panel === "side" ? " open" : ""),
 							"aria-label": "Panels",
-							children: [/* @__PURE__ */ B("div", {
+							children: [/* @__PURE__ */ z("div", {
 								class: "tabs",
 								role: "tablist",
 								"aria-label": "Panels",
-								children: sl.map(([r, a]) => /* @__PURE__ */ B("button", {
+								children: dl.map(([r, a]) => /* @__PURE__ */ z("button", {
 									role: "tab",
 									id: `tab-${r}`,
 									"aria-controls": "panel",
 									"aria-selected": t.tab === r,
 									onClick: () => e.set({ tab: r }),
-									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ B("span", {
+									children: [a, r === "problems" && n.problems.length > 0 && /* @__PURE__ */ z("span", {
 										class: "count" + (i ? " error" : ""),
 										children: n.problems.length
 									})]
 								}))
-							}), /* @__PURE__ */ B("div", {
+							}), /* @__PURE__ */ z("div", {
 								class: "panel",
 								id: "panel",
 								role: "tabpanel",
 								"aria-labelledby": `tab-${t.tab}`,
 								tabindex: 0,
 								children: [
-									t.tab === "item" && /* @__PURE__ */ B(Kt, {
+									t.tab === "item" && /* @__PURE__ */ z(Jt, {
 										store: e,
 										state: t
 									}),
-									t.tab === "machines" && /* @__PURE__ */ B(sn, {
+									t.tab === "machines" && /* @__PURE__ */ z(K, {
 										store: e,
 										state: t
 									}),
-									t.tab === "model" && /* @__PURE__ */ B(bn, {
+									t.tab === "model" && /* @__PURE__ */ z(Sn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "problems" && /* @__PURE__ */ B(wn, {
+									t.tab === "problems" && /* @__PURE__ */ z(En, {
 										store: e,
 										state: t
 									}),
-									t.tab === "table" && /* @__PURE__ */ B(Tn, {
+									t.tab === "table" && /* @__PURE__ */ z(Dn, {
 										store: e,
 										state: t
 									}),
-									t.tab === "text" && /* @__PURE__ */ B(En, {
+									t.tab === "text" && /* @__PURE__ */ z(On, {
 										store: e,
 										state: t
 									}),
-									t.tab === "equations" && /* @__PURE__ */ B(Bt, {
+									t.tab === "equations" && /* @__PURE__ */ z(Ut, {
 										store: e,
 										state: t
 									}),
-									t.tab === "power" && /* @__PURE__ */ B(el, {
+									t.tab === "power" && /* @__PURE__ */ z(il, {
 										store: e,
 										state: t
 									}),
-									t.tab === "plan" && /* @__PURE__ */ B(Yn, {
+									t.tab === "plan" && /* @__PURE__ */ z(Qn, {
 										store: e,
 										state: t
 									})
@@ -7969,9 +7981,9 @@ var sl = [
 						})
 					]
 				}),
-				t.bottom && /* @__PURE__ */ B("div", {
+				t.bottom && /* @__PURE__ */ z("div", {
 					class: "bottom",
-					children: [/* @__PURE__ */ B(rl, {
+					children: [/* @__PURE__ */ z(sl, {
 						upright: !1,
 						label: "Height of the plots",
 						value: t.room.low || 320,
@@ -7982,33 +7994,33 @@ var sl = [
 							...t.room,
 							low: n
 						} })
-					}), t.planShown && t.plan ? /* @__PURE__ */ B(Sr, {
+					}), t.planShown && t.plan ? /* @__PURE__ */ z(Tr, {
 						store: e,
 						state: t,
 						plan: t.plan
-					}) : /* @__PURE__ */ B(x, { children: [t.sweep ? /* @__PURE__ */ B(gn, {
+					}) : /* @__PURE__ */ z(x, { children: [t.sweep ? /* @__PURE__ */ z(vn, {
 						store: e,
 						state: t
-					}) : /* @__PURE__ */ B(Rc, {
+					}) : /* @__PURE__ */ z(Hc, {
 						store: e,
 						state: t
-					}), /* @__PURE__ */ B(jt, {
+					}), /* @__PURE__ */ z(Nt, {
 						store: e,
 						state: t
 					})] })]
 				}),
-				/* @__PURE__ */ B("footer", { children: [
-					/* @__PURE__ */ B("span", {
+				/* @__PURE__ */ z("footer", { children: [
+					/* @__PURE__ */ z("span", {
 						id: "chosen",
 						role: "status",
 						"aria-live": "polite",
 						children: o || (n.whole ? "" : "strokes of what is joined so far")
 					}),
-					/* @__PURE__ */ B(ll, {
+					/* @__PURE__ */ z(pl, {
 						store: e,
 						state: t
 					}),
-					/* @__PURE__ */ B("button", {
+					/* @__PURE__ */ z("button", {
 						class: "verdict" + (i ? " error" : a ? " hint" : ""),
 						onClick: () => e.set({
 							tab: "problems",
@@ -8016,38 +8028,38 @@ var sl = [
 						}),
 						children: i ? `${i} ${i === 1 ? "problem" : "problems"}: ${n.problems[0].code} ${n.problems[0].where}` : a ? `${a} hint${a > 1 ? "s" : ""}` : "fine"
 					}),
-					/* @__PURE__ */ B("button", {
+					/* @__PURE__ */ z("button", {
 						class: "verdict",
 						"aria-pressed": t.bottom,
 						onClick: () => e.set({ bottom: !t.bottom }),
 						children: "plots"
 					})
 				] }),
-				t.adding && n.view.editable && /* @__PURE__ */ B(Pn, {
+				t.adding && n.view.editable && /* @__PURE__ */ z(Ln, {
 					store: e,
 					state: t
 				}),
-				t.finding && /* @__PURE__ */ B(Lt, {
+				t.finding && /* @__PURE__ */ z(Bt, {
 					store: e,
 					state: t
 				}),
-				t.notice && /* @__PURE__ */ B("div", {
+				t.notice && /* @__PURE__ */ z("div", {
 					class: "notice",
 					role: "alert",
 					children: [
-						/* @__PURE__ */ B("b", { children: t.notice.code }),
+						/* @__PURE__ */ z("b", { children: t.notice.code }),
 						" ",
-						t.notice.where && /* @__PURE__ */ B("i", { children: [t.notice.where, ": "] }),
+						t.notice.where && /* @__PURE__ */ z("i", { children: [t.notice.where, ": "] }),
 						t.notice.why,
-						t.notice.try && /* @__PURE__ */ B("em", { children: [" Try: ", t.notice.try] }),
-						/* @__PURE__ */ B("button", {
+						t.notice.try && /* @__PURE__ */ z("em", { children: [" Try: ", t.notice.try] }),
+						/* @__PURE__ */ z("button", {
 							"aria-label": "Close this message",
 							onClick: () => e.set({ notice: null }),
 							children: "✕"
 						})
 					]
 				}),
-				!t.connected && /* @__PURE__ */ B("div", {
+				!t.connected && /* @__PURE__ */ z("div", {
 					class: "notice",
 					role: "alert",
 					children: "The studio does not answer. What you did is in the file; trying again …"
@@ -8056,75 +8068,75 @@ var sl = [
 		});
 	}
 };
-function ll({ store: e, state: t }) {
+function pl({ store: e, state: t }) {
 	let n = t.look.machines, r = t.cursor?.mode;
-	return n.length ? /* @__PURE__ */ B("span", {
+	return n.length ? /* @__PURE__ */ z("span", {
 		class: "modes",
 		children: [
-			t.cursor && /* @__PURE__ */ B("b", { children: ["t = ", z(t.cursor.t, "s", 6)] }),
-			n.slice(0, 8).map((t) => /* @__PURE__ */ B("label", { children: [t.path, /* @__PURE__ */ B("select", {
+			t.cursor && /* @__PURE__ */ z("b", { children: ["t = ", R(t.cursor.t, "s", 6)] }),
+			n.slice(0, 8).map((t) => /* @__PURE__ */ z("label", { children: [t.path, /* @__PURE__ */ z("select", {
 				"aria-label": `State of ${t.path} that is drawn`,
 				value: r?.[t.path] ?? t.state,
 				onChange: (n) => e.setMode(t.path, n.currentTarget.value),
-				children: t.states.map((e) => /* @__PURE__ */ B("option", { children: e }))
+				children: t.states.map((e) => /* @__PURE__ */ z("option", { children: e }))
 			})] })),
 			n.length > 8 && `and ${n.length - 8} more`
 		]
 	}) : null;
 }
-function ul({ store: e, state: t, errors: n }) {
+function ml({ store: e, state: t, errors: n }) {
 	let r = t.look, i = t.running, a = Number(r.panels.experiment.until) || t.run?.until || 1;
-	return /* @__PURE__ */ B("header", { children: [
-		/* @__PURE__ */ B(dl, {
+	return /* @__PURE__ */ z("header", { children: [
+		/* @__PURE__ */ z(hl, {
 			store: e,
 			state: t
 		}),
-		/* @__PURE__ */ B("h1", {
+		/* @__PURE__ */ z("h1", {
 			title: r.file,
 			children: r.title || r.file
 		}),
-		/* @__PURE__ */ B("span", {
+		/* @__PURE__ */ z("span", {
 			class: "saved" + (r.unsaved ? " error" : ""),
 			role: "status",
 			children: r.unsaved ? `not saved: ${r.unsaved}` : r.inMemory ? "in memory" : r.writable ? "saved" : "read only: open in another studio"
 		}),
-		/* @__PURE__ */ B("span", { class: "spring" }),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("span", { class: "spring" }),
+		/* @__PURE__ */ z("button", {
 			class: "narrow",
 			"aria-label": "Palette",
 			"aria-pressed": t.panel === "palette",
 			onClick: () => e.set({ panel: t.panel === "palette" ? "" : "palette" }),
 			children: "+"
 		}),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("button", {
 			class: "narrow",
 			"aria-label": "Panels",
 			"aria-pressed": t.panel === "side",
 			onClick: () => e.set({ panel: t.panel === "side" ? "" : "side" }),
 			children: "☰"
 		}),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("button", {
 			title: "Undo (Ctrl+Z)",
 			"aria-label": "Undo",
 			disabled: !r.canUndo,
 			onClick: e.undo,
 			children: "↶"
 		}),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("button", {
 			title: "Redo (Ctrl+Y)",
 			"aria-label": "Redo",
 			disabled: !r.canRedo,
 			onClick: e.redo,
 			children: "↷"
 		}),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("button", {
 			class: "wide",
 			disabled: !r.view.editable || !r.view.nodes.length,
 			title: "Lay out anew; selected elements stay where they are",
 			onClick: () => void e.arrange(),
 			children: "Arrange"
 		}),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("button", {
 			class: "wide",
 			"aria-pressed": t.schematic,
 			title: "The schematic beside the bond graph",
@@ -8132,22 +8144,22 @@ function ul({ store: e, state: t, errors: n }) {
 			onClick: () => e.set({ schematic: !t.schematic }),
 			children: "Schematic"
 		}),
-		i ? /* @__PURE__ */ B(x, { children: [/* @__PURE__ */ B("progress", {
+		i ? /* @__PURE__ */ z(x, { children: [/* @__PURE__ */ z("progress", {
 			"aria-label": "Progress of the run",
 			max: a,
 			value: i.t
-		}), /* @__PURE__ */ B("button", {
+		}), /* @__PURE__ */ z("button", {
 			class: "run",
 			onClick: e.cancel,
 			children: "Cancel"
-		})] }) : /* @__PURE__ */ B("button", {
+		})] }) : /* @__PURE__ */ z("button", {
 			class: "run",
 			disabled: n > 0,
 			title: "Run (Ctrl+Enter)",
 			onClick: () => void e.start(),
 			children: "▶ Run"
 		}),
-		/* @__PURE__ */ B("button", {
+		/* @__PURE__ */ z("button", {
 			"aria-label": "Dark or light",
 			title: "Dark or light",
 			onClick: () => e.set({ dark: !(t.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) }),
@@ -8155,7 +8167,7 @@ function ul({ store: e, state: t, errors: n }) {
 		})
 	] });
 }
-function dl({ store: e, state: t }) {
+function hl({ store: e, state: t }) {
 	let n = (e) => e.currentTarget.closest("details").removeAttribute("open"), r = (t) => {
 		e.set({
 			level: "",
@@ -8190,85 +8202,85 @@ function dl({ store: e, state: t }) {
 			e.refused(t);
 		}
 	}, o = t.stock;
-	return /* @__PURE__ */ B("details", {
+	return /* @__PURE__ */ z("details", {
 		class: "menu",
-		children: [/* @__PURE__ */ B("summary", {
+		children: [/* @__PURE__ */ z("summary", {
 			"aria-label": "Menu",
 			children: "hybond"
-		}), /* @__PURE__ */ B("div", {
+		}), /* @__PURE__ */ z("div", {
 			class: "sheet",
 			onClick: (e) => e.target.tagName === "BUTTON" && n(e),
 			children: [
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: () => r({}),
 					children: "New model"
 				}),
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: i,
 					children: "Save as …"
 				}),
-				/* @__PURE__ */ B("hr", {}),
+				/* @__PURE__ */ z("hr", {}),
 				[
 					"svg",
 					"pdf",
 					"png",
 					"tex"
-				].map((e) => /* @__PURE__ */ B("button", {
+				].map((e) => /* @__PURE__ */ z("button", {
 					onClick: () => void a(e),
 					children: ["Picture as ", e === "tex" ? "TikZ" : e.toUpperCase()]
 				})),
-				/* @__PURE__ */ B("button", {
+				/* @__PURE__ */ z("button", {
 					onClick: () => void a("svg", !0),
 					children: "Schematic as SVG"
 				}),
-				/* @__PURE__ */ B("hr", {}),
-				/* @__PURE__ */ B("label", { children: [
+				/* @__PURE__ */ z("hr", {}),
+				/* @__PURE__ */ z("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ B("select", {
+					/* @__PURE__ */ z("select", {
 						"aria-label": "Open a file",
 						value: "",
 						onChange: (e) => {
 							r({ file: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ B("option", {
+						children: [/* @__PURE__ */ z("option", {
 							value: "",
 							children: "a file …"
-						}), o?.files.map((e) => /* @__PURE__ */ B("option", { children: e }))]
+						}), o?.files.map((e) => /* @__PURE__ */ z("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ B("label", { children: [
+				/* @__PURE__ */ z("label", { children: [
 					"open",
 					" ",
-					/* @__PURE__ */ B("select", {
+					/* @__PURE__ */ z("select", {
 						"aria-label": "Open an example",
 						value: "",
 						onChange: (e) => {
 							r({ example: e.currentTarget.value }), n(e);
 						},
-						children: [/* @__PURE__ */ B("option", {
+						children: [/* @__PURE__ */ z("option", {
 							value: "",
 							children: "an example …"
-						}), o?.examples.map((e) => /* @__PURE__ */ B("option", { children: e }))]
+						}), o?.examples.map((e) => /* @__PURE__ */ z("option", { children: e }))]
 					})
 				] }),
-				/* @__PURE__ */ B("small", { children: ["hybond ", o?.version] })
+				/* @__PURE__ */ z("small", { children: ["hybond ", o?.version] })
 			]
 		})]
 	});
 }
 // src/sharing.ts
-function fl(e, t) {
+function gl(e, t) {
 	if (e === t || typeof t != "object" || !t || typeof e != "object" || !e || Array.isArray(e) !== Array.isArray(t)) return t;
 	let [n, r] = [e, t], i = Object.keys(r), a = i.length === Object.keys(n).length;
 	for (let e of i) {
-		let t = fl(n[e], r[e]);
+		let t = gl(n[e], r[e]);
 		r[e] = t, a &&= t === n[e] && e in n;
 	}
 	return a ? e : t;
 }
 // src/store.ts
-var pl = {
+var _l = {
 	connected: !1,
 	look: null,
 	stock: null,
@@ -8306,21 +8318,21 @@ var pl = {
 		side: 340,
 		low: 0
 	}
-}, ml = [
+}, vl = [
 	"C",
 	"I",
 	"R",
 	"G",
 	"Se",
 	"Sf"
-], hl = .9;
-function gl(e) {
+], yl = .9;
+function bl(e) {
 	let t = e.ports ?? [];
-	return t.length ? ke(e, t.map((e, t) => "we"[t % 2]).join("")).half / Te[0] : .3;
+	return t.length ? Ae(e, t.map((e, t) => "we"[t % 2]).join("")).half / Ee[0] : .3;
 }
-var _l = 32, vl = class {
+var xl = 32, Sl = class {
 	transport;
-	state = pl;
+	state = _l;
 	listeners = /* @__PURE__ */ new Set();
 	queue = Promise.resolve();
 	constructor(e) {
@@ -8363,7 +8375,7 @@ var _l = 32, vl = class {
 		}
 	}
 	refused(e) {
-		e instanceof il ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
+		e instanceof cl ? this.set({ notice: e.problem }) : this.state.connected && this.set({ notice: {
 			code: "",
 			where: "",
 			why: String(e),
@@ -8371,7 +8383,7 @@ var _l = 32, vl = class {
 		} });
 	}
 	take(e) {
-		let t = fl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
+		let t = gl(this.state.look, e), n = new Set(t.view.nodes.map((e) => e.name)), r = new Set(t.view.bonds.map((e) => e.key));
 		this.set({
 			look: t,
 			level: t.view.path,
@@ -8424,7 +8436,7 @@ var _l = 32, vl = class {
 		let t = new Set((this.state.look?.view.nodes ?? []).map((e) => e.name)), n = this.state.plotted.some((n) => e.names?.includes(n) || t.has(n.replace(/\.[ef]$/, "")));
 		this.set({
 			run: e,
-			plotted: n ? this.state.plotted : (e.plot ?? []).slice(0, _l),
+			plotted: n ? this.state.plotted : (e.plot ?? []).slice(0, xl),
 			span: [e.tBegin ?? 0, e.tEnd ?? 1],
 			cursor: null,
 			instant: null,
@@ -8472,11 +8484,11 @@ var _l = 32, vl = class {
 	freePlace(e) {
 		let t = this.state.look?.view.nodes ?? [];
 		if (!t.length) return [0, 0];
-		let n = ml.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !ml.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < gl(t) + (s ? hl : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
+		let n = vl.find((t) => t in e), r = t.findIndex((e) => this.state.nodes.has(e.name)), i = t.slice(0, r < 0 ? t.length : r + 1), a = i.filter((e) => !vl.includes(e.kind)), o = a[a.length - 1] ?? i[i.length - 1], s = "submodel" in e, c = (e, n) => t.some((t) => Math.abs(t.x - e) < bl(t) + (s ? yl : .3) && Math.abs(t.y - n) < (t.ports?.length || s ? .9 : .6)), l = Math.round(o.x), u = Math.round(o.y), d = n?.startsWith("S") ? [[-1, 0]] : [], f = n && a.length ? [
 			...d,
 			[0, -1],
 			[0, 1]
-		] : [], p = s || gl(o) > .3 ? [
+		] : [], p = s || bl(o) > .3 ? [
 			[1, 0],
 			[2, 0],
 			[3, 0],
@@ -8650,7 +8662,7 @@ var _l = 32, vl = class {
 				mode: n ?? null,
 				level: this.state.level,
 				names: this.state.plotted
-			}), o = fl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
+			}), o = gl(this.state.cursor?.strokes ?? this.state.look?.strokes, a.strokes);
 			i === this.cursorCount && this.set({ cursor: {
 				...a,
 				strokes: o
@@ -8667,11 +8679,11 @@ var _l = 32, vl = class {
 	}
 };
 // src/widget.tsx
-function yl({ model: e, el: t }) {
-	let n = new al(), r = new vl(n), i = (e) => n.received(e);
-	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), I(/* @__PURE__ */ B(cl, { store: r }), t), r.begin(), () => {
-		e.off("msg:custom", i), I(null, t);
+function Cl({ model: e, el: t }) {
+	let n = new ll(), r = new Sl(n), i = (e) => n.received(e);
+	return e.on("msg:custom", i), n.connected({ send: (t) => e.send(t) }), t.style.height = `${e.get("height")}px`, t.classList.add("hybond-widget"), F(/* @__PURE__ */ z(fl, { store: r }), t), r.begin(), () => {
+		e.off("msg:custom", i), F(null, t);
 	};
 }
-var bl = { render: yl };
-export { bl as default, yl as render };
+var wl = { render: Cl };
+export { wl as default, Cl as render };
