@@ -283,8 +283,7 @@ class Model:
     prior_first: Ints
     """Of each: the switches that must be ON for it to act."""
     prior_switch: Ints
-    prior_machine: Ints
-    """The machine whose law brought it in, or -1."""
+    prior_machine: Ints  # the machine whose law brought it in, or -1
     prior_state: Ints
     """The state of that machine in which it acts so."""
     prior_read: Ints

@@ -69,6 +69,18 @@ class Checks:
     """... at what time, ..."""
     unresolved_by: Floats
     """... and what rounding was there."""
+    borne: Floats
+    """Of each rule: what it compares, where it was more than rounding, over time, ..."""
+    most_borne: Floats
+    """... and the most of it; ..."""
+    vague: Floats
+    """... the same where it was not, but may be more than it is evaluated to, ..."""
+    most_vague: Floats
+    """... the most of that, ..."""
+    vague_at: Floats
+    """... at what time, ..."""
+    vague_by: Floats
+    """... and what rounding was there."""
     held: Ints
     """Of each rule: whether that motion makes it begin to hold in that instant."""
     looked: float
@@ -129,6 +141,12 @@ def make_checks(m: Model) -> Checks:
     c.unresolved = floats(rules)
     c.unresolved_at = floats(rules)
     c.unresolved_by = floats(rules)
+    c.borne = floats(rules)
+    c.most_borne = floats(rules)
+    c.vague = floats(rules)
+    c.most_vague = floats(rules)
+    c.vague_at = floats(rules)
+    c.vague_by = floats(rules)
     c.held = ints(rules)
     c.looked = -1.0
     c.unbounded = -1

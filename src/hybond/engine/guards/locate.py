@@ -38,7 +38,7 @@ from hybond.engine.guards.locator import (
 from hybond.engine.guards.rests_asked import see_rests_beside
 from hybond.engine.guards.sides_seen import note_sides
 from hybond.engine.guards.solved_guards import solve_guards
-from hybond.engine.guards.unresolved import see_held_back
+from hybond.engine.guards.unresolved import see_borne, see_held_back
 
 SOON: Final = 1e-3
 """Part of a step after which what begins at a kink is on one of its sides."""
@@ -60,6 +60,7 @@ def locate(e: Engine, g: Locator) -> int:
         status = search(e, g)
     if status == OK:
         see_held_back(e, g)
+        see_borne(e, g)
     show(e, g, ALL_PARTS)
     g.sampled = False
     return status

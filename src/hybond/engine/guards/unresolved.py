@@ -65,6 +65,45 @@ def see_held_back(e: Engine, g: Locator) -> None:
             c.unresolved_by[r] = rounding
 
 
+def see_borne(e: Engine, g: Locator) -> None:
+    """Add what laws carry in a step to what each has carried, or to what was not told from nothing.
+
+    A diode whose other side has once been at a million volts may carry milliamperes backward for
+    good, by what is rounding of those; a surge of nanoseconds that it carried does not make that
+    small, nor do large currents elsewhere.
+    """
+    if e.model.laws == 0 or e.model.tells == 0 or g.at < math.inf or e.slide.k > 0:
+        return
+    if math.isnan(g.shown_to):
+        return
+    c = e.checks
+    h = e.step.t1 - e.step.t0
+    for k in range(g.guards):
+        r = g.rule[k]
+        if r < 0 or not is_one_sum(g, k):
+            continue
+        here = math.fabs(value_at(g, g.atom_first[k], SAMPLES - 1))
+        rounding = ROUNDING * g.extent[g.atom_first[k]]
+        if here > rounding:
+            c.borne[r] += h * here
+            c.most_borne[r] = max(c.most_borne[r], here)
+        elif here > SEEN * rounding:
+            c.vague[r] += h * here
+            if here > c.most_vague[r]:
+                c.most_vague[r] = here
+                c.vague_at[r] = e.step.t1
+                c.vague_by[r] = rounding
+
+
+def is_vague(e: Engine, r: int) -> bool:
+    """Whether what a law was not told to carry is not small beside what it carried.
+
+    Where that was next to nothing, it has been idle, and all of it is rounding.
+    """
+    c = e.checks
+    return c.vague[r] > BESIDE * c.borne[r] and c.most_borne[r] > BESIDE * c.most_vague[r]
+
+
 def value_at(g: Locator, a: int, i: int) -> float:
     """Return what comparison a has at a sample of the step."""
     s = g.sums
@@ -117,6 +156,12 @@ def tell_unresolved(e: Engine) -> None:
             add_about(e.warned, c.unresolved[r])
             add_about(e.warned, c.unresolved_by[r])
             c.unresolved[r] = 0.0
+        elif is_vague(e, r):
+            begin_warning(e.warned, UNRESOLVED, c.vague_at[r])
+            add_about(e.warned, float(r))
+            add_about(e.warned, c.most_vague[r])
+            add_about(e.warned, c.vague_by[r])
+            c.vague[r] = 0.0
 
 
 def largest_beside(e: Engine, r: int) -> float:

@@ -227,7 +227,10 @@ def carry_rounding(e: Engine, c: Carrier) -> None:
     if m.laws > 0:
         carry_floats(c, 2 * m.bonds, e.seen_before)
         carry_floats(c, m.storages, e.fades_before)
-        carry_floats(c, m.rule_first[machines_carried(e)], e.checks.carried)
+        rules = m.rule_first[machines_carried(e)]
+        carry_floats(c, rules, e.checks.carried)
+        carry_floats(c, rules, e.checks.borne)
+        carry_floats(c, rules, e.checks.most_borne)
 
 
 def carry_standing(e: Engine, c: Carrier) -> None:
