@@ -1,5 +1,6 @@
 """Fits against the values that data were made with, and against SciPy's own covariance."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -258,6 +259,25 @@ def test_a_fit_without_a_slope_has_not_converged_and_says_why(law: str, free: st
     assert not found.converged
     assert "no measurement has a slope: at t = 0 s a law has no finite slope here" in str(found)
     assert str(found).count("converged") == 1
+
+
+@pytest.mark.parametrize(
+    ("law", "power"), [("k*e", 1.0), ("k*sign(e)*sqrt(abs(e))", 0.5), ("k*e^3", 3.0)]
+)
+def test_a_fit_of_which_nothing_measured_changes_has_not_converged(law: str, power: float) -> None:
+    # a tank behind a valve that opens after what is measured, and before it
+    m = hb.Model("late", parameters={"k": 0.02})
+    m.add(tank=hb.C(1.0, e=1.0), n=hb.Zero(), v=hb.One(), hole=hb.R({"f": law}))
+    m.bond("n -> tank", "n -> v -> hole")
+    m.machine("V", states={"shut": [], "open": ["v"]}, start="shut",
+              rules=["shut -> open when time >= 5"])  # fmt: skip
+    found = hb.fit(m, {"time": [1.0, 2.0, 3.0], "tank.e": [0.9, 0.9, 0.8]}, free=["k"])
+    assert not found.converged
+    assert "not converged: no measurement changes with k" in str(found)
+    k = 0.1
+    level = math.exp(-k) if power == 1.0 else (1 - (1 - power) * k) ** (1 / (1 - power))
+    told = hb.fit(m, {"time": [1.0, 6.0], "tank.e": [1.0, level]}, free=["k"])
+    assert told.converged and told["k"] == pytest.approx(k, rel=1e-6)
 
 
 def test_a_fit_of_which_some_measurements_have_a_slope_says_where_slopes_end() -> None:

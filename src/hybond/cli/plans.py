@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hybond.cli.lists import check_experiment, run_until
+from hybond.cli.lists import check_experiment, run_until, scaled, split
 from hybond.cli.netlists import in_words_of, read_model, steps_of
 from hybond.cli.outputs import TABLES
 from hybond.cli.record import VERSION, to_json
@@ -76,6 +76,8 @@ def factors_of(vary: list[str]) -> dict[str, str]:
     --------
     >>> factors_of(["mu=0.2:0.3:0.005", "c.C = log(1e-4, 1e-2, 50)"])
     {'mu': '0.2:0.3:0.005', 'c.C': 'log(1e-4, 1e-2, 50)'}
+    >>> factors_of(["R=1k, 2.2k"])
+    {'R': '1e3, 2.2e3'}
     """
     found: dict[str, str] = {}
     for text in vary:
@@ -87,7 +89,7 @@ def factors_of(vary: list[str]) -> dict[str, str]:
                 where="--vary",
                 hint="--vary mu=0.2:0.3:0.005, each path once",
             )
-        found[path] = values
+        found[path] = ", ".join(scaled(word) for word in split([values]))
     if not found:
         raise UsageError(
             "nothing is varied",

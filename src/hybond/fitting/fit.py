@@ -293,9 +293,11 @@ def _record(
     if at.any():
         which = ", ".join(n for n, out in zip(scale.names, at) if out)
         notes.append(f"{which} at a bound: the interval is as if there were none")
-    blind = trials.missing == len(residuals)
-    if blind:
+    blind = trials.missing == len(residuals) or bool(unseen.all())
+    if trials.missing == len(residuals):
         notes.append(f"not converged: no measurement has a slope: {trials.why}")
+    elif blind:
+        notes.append(f"not converged: no measurement changes with {', '.join(scale.names)}")
     elif trials.missing:
         many = f"{trials.missing} {plural('measurement', trials.missing)} without a slope"
         notes.append(f"{many}: derivatives end before: {trials.why}")
