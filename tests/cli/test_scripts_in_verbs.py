@@ -97,10 +97,39 @@ def test_the_until_of_the_experiment_ends_a_script_of_steps_with_times(shell: An
     """The pages said so; the script went on."""
     file = shell.file("rc.toml", RC.replace('"4 s"', '"2 s"') + SCRIPT)
     done = shell("run", file)
-    assert "t = 2 s  the end" in done.out and "warning" not in done.out
+    assert "t = 2 s  the end" in done.out
     done = shell("run", file, "--until", "500 ms")
     assert "t = 0.5 s  the end" in done.out
     assert "the script stopped in step 1 of 2 (charge): it has until t = 0.5 s" in done.out
+
+
+FORCED = {"export": ("--force",)}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("linearise", "--at", "1 s"),
+        ("sweep", "--vary", "r.R=1k,2k"),
+        ("sweep", "--vary", "r.R=1k,2k", "--collect", "final(C.e)"),
+        ("export", "--to", "modelica", "--out", "rc.mo"),
+    ],
+)
+def test_commands_that_do_no_script_say_so(shell: Any, words: tuple[str, ...]) -> None:
+    said = "without the script of the file, which `hybond run` does"
+    done = shell(words[0], shell.file("rc.toml", RC + SCRIPT), *words[1:])
+    assert done.code == 0 and said in done.err
+    done = shell(words[0], shell.file("plain.toml", RC), *words[1:], *FORCED.get(words[0], ()))
+    assert done.code == 0 and said not in done.err
+
+
+@pytest.mark.parametrize("last", ['lasts = "5 s"', 'until = "6 s"', 'until = ["C.e < 0 V", "6 s"]'])
+def test_a_last_step_that_is_cut_short_is_told(shell: Any, last: str) -> None:
+    steps = f'[[experiment.script]]\nlasts = "1 s"\n[[experiment.script]]\n{last}\n'
+    done = shell("run", shell.file("rc.toml", RC + steps))
+    assert "the script stopped in step 2 of 2" in done.out and "t = 4 s" in done.out
+    done = shell("run", shell.file("rc.toml", RC.replace('"4 s"', '"6 s"') + steps))
+    assert "warning" not in done.out
 
 
 @pytest.mark.parametrize("script", ["", SCRIPT])

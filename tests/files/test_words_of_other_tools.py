@@ -69,5 +69,11 @@ def test_a_section_of_another_tool_is_told_its_name(section: str, meant: str) ->
     assert "HB-F109" in said and f"did you mean '{meant}'?" in said
 
 
+@pytest.mark.parametrize("key", ["until", "outputs", "measure", "rtol"])
+def test_a_key_of_the_experiment_above_all_sections_is_told_where_it_stands(key: str) -> None:
+    said = refused("hybond = 1", f"hybond = 1\n{key} = 1")
+    assert "HB-F109" in said and f"{key} = ... stands below [experiment]" in said
+
+
 def test_what_is_left_over_behind_an_expression_is_still_told_so() -> None:
     assert "take out what stands from ',' on" in refused("1.5 kohm", "r1, 5")

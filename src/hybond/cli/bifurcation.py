@@ -12,6 +12,7 @@ from hybond.cli.netlists import read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.plans import factors_of
 from hybond.cli.record import VERSION, to_json
+from hybond.cli.running import tell_no_script
 from hybond.cli.settings import changed_with
 from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
@@ -32,6 +33,7 @@ def bifurcation(given: Namespace) -> int:
     plot = check_target(given.plot, PICTURES, "--plot")
     out = check_target(given.out, TABLES, "--out")
     model, parameters = changed_with(read_model(given.file)[0], given.settings)
+    tell_no_script(model, "the model is run")
     varied = factors_of(given.vary)
     if len(given.vary) != 1:
         raise UsageError(

@@ -7,6 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from hybond.cli.netlists import read_model
+from hybond.cli.running import tell_no_script
 from hybond.cli.settings import model_with
 from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
@@ -17,6 +18,8 @@ from hybond.names import did_you_mean
 
 PRINTED = "-"
 """The name of the file that is not written but printed."""
+RUN = ("c", "fmu", "java", "modelica", "python")
+"""Targets that run the model, or let it be run."""
 
 
 def export_model(given: Namespace) -> int:
@@ -41,6 +44,8 @@ def export_model(given: Namespace) -> int:
         check_new(path, force=given.force)
     options = options_given(given, "until", "points", "fmi")
     model = model_with(read_model(given.file)[0], given.settings)
+    if given.to in RUN:
+        tell_no_script(model, "what is exported runs")
     if given.to == "fmu" and sys.stderr.isatty():
         complain("making the program and compiling it, some seconds ...")
     found = export(model, to=given.to, path=path, **options)

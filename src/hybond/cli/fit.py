@@ -11,6 +11,7 @@ from hybond.cli.lists import split
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.record import VERSION, to_json
+from hybond.cli.running import tell_no_script
 from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -29,6 +30,7 @@ def fit(given: Namespace) -> int:
             hint="--starts 20 --seed 1, or leave --seed out",
         )
     model, parameters = changed_with(read_model(given.file)[0], given.settings)
+    tell_no_script(model, "the model is run")
     found = fitted(
         model,
         list(given.data),

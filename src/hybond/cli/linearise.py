@@ -10,7 +10,7 @@ import numpy as np
 from hybond.cli.lists import mode_of, setting, split
 from hybond.cli.netlists import read_model
 from hybond.cli.record import to_json
-from hybond.cli.running import simulate_with
+from hybond.cli.running import simulate_with, tell_no_script
 from hybond.cli.settings import flatten_with, model_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -33,6 +33,7 @@ def linearise(given: Namespace) -> int:
     _check(given)
     model: Model | FlatGraph = read_model(given.file)[0]
     assert isinstance(model, Model)
+    tell_no_script(model, "what is linearised is a run")
     inputs = split(given.input) if given.input else None
     outputs = split(given.output) if given.output else None
     target = check_target(given.plot, (".png", ".svg", ".pdf"), "--plot")

@@ -12,6 +12,7 @@ from hybond.cli.lists import split
 from hybond.cli.netlists import read_model
 from hybond.cli.outputs import PICTURES
 from hybond.cli.record import VERSION, to_json
+from hybond.cli.running import tell_no_script
 from hybond.cli.settings import changed_with
 from hybond.cli.streams import complain, say
 from hybond.cli.targets import check_target
@@ -26,6 +27,7 @@ def periodic(given: Namespace) -> int:
     """Find the orbit, or follow it; print it, or one JSON object; draw the plot asked for."""
     plot = check_target(given.plot, PICTURES, "--plot")
     model, parameters = changed_with(read_model(given.file)[0], given.settings)
+    tell_no_script(model, "the model is run")
     options: dict[str, Any] = {
         "period": given.period,
         "multiple": given.multiple,

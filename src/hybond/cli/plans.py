@@ -13,6 +13,7 @@ from hybond.cli.lists import check_experiment, run_until, scaled, split
 from hybond.cli.netlists import in_words_of, read_model, steps_of
 from hybond.cli.outputs import TABLES
 from hybond.cli.record import VERSION, to_json
+from hybond.cli.running import tell_no_script
 from hybond.cli.settings import changed_with
 from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
@@ -31,6 +32,7 @@ def plan_sweep(given: Namespace) -> int:
     """Run a plan; print what came of it, or one JSON object."""
     _check(given)
     read, conversion = read_model(given.file)
+    tell_no_script(read, "members are run")
     vary = given.vary or steps_of(conversion)
     model, fixed = changed_with(read, given.settings)
     graph = model.flatten(parameters=fixed)

@@ -10,6 +10,7 @@ from hybond.cli.lists import check_experiment, run_until
 from hybond.cli.netlists import read_model
 from hybond.cli.settings import changed_with, flatten_with
 from hybond.cli.shared_words import options_given
+from hybond.cli.streams import complain
 from hybond.errors import NumericsError, UsageError
 from hybond.model.builder import Model
 from hybond.model.graph import FlatGraph
@@ -53,6 +54,12 @@ def run_with(model: Model, graph: FlatGraph, given: Namespace) -> Result:
 def has_script(graph: FlatGraph, given: Namespace) -> bool:
     """Whether a script is to be done."""
     return bool(graph.experiment.get("script")) and not given.no_script
+
+
+def tell_no_script(model: Model | FlatGraph, what: str) -> None:
+    """Say that the script of a file is not done here, where it has one: `hybond run` does it."""
+    if model.experiment.get("script"):
+        complain(f"note: {what} without the script of the file, which `hybond run` does")
 
 
 def simulate_with(

@@ -18,6 +18,7 @@ from hybond.cli.lists import check_experiment, check_signals, run_until, split
 from hybond.cli.netlists import aside_of, in_words_of, read_model, steps_of
 from hybond.cli.record import VERSION, to_json
 from hybond.cli.refusal import refusal_of
+from hybond.cli.running import tell_no_script
 from hybond.cli.settings import changed_with
 from hybond.cli.shared_words import options_given
 from hybond.cli.streams import complain, say
@@ -44,6 +45,7 @@ def sweep(given: Namespace) -> int:
     """Simulate all members; print a table, or one JSON object; write the file asked for."""
     target = check_target(given.out, TABLES, "--out")
     read, conversion = read_model(given.file)
+    tell_no_script(read, "members are run")
     vary = given.vary or steps_of(conversion)
     varied = columns(vary, together=given.together)
     model, fixed = changed_with(read, given.settings)

@@ -17,7 +17,7 @@ import msgspec
 from hybond.errors import FileError
 from hybond.files import limits
 from hybond.files.place import Place, quoted, shortened
-from hybond.files.schema import Waveform
+from hybond.files.schema import Experiment, Waveform
 from hybond.names import did_you_mean
 
 _EXPECTED = re.compile(r"Expected `([^`]*)`(.*?)(?:, got `([^`]*)`)?(?: - at `\$(.*)`)?\Z")
@@ -108,7 +108,7 @@ _SECTIONS = {
     **dict.fromkeys(("components", "nodes", "parts"), "elements"),
     **dict.fromkeys(("bonds", "connections", "connect", "wires", "edges"), "graph"),
     **dict.fromkeys(("params", "constants", "variables"), "parameters"),
-    **dict.fromkeys(("outputs", "observables"), "signals"),
+    **dict.fromkeys(("output", "observables"), "signals"),
     **dict.fromkeys(("states", "state_machines", "switches", "modes"), "machines"),
 }
 """What sections of a model are called elsewhere."""
@@ -163,8 +163,11 @@ def _located_in_record(
     for key in data:
         if key not in fields:
             what = "section or key of a model" if "elements" in fields else "key here"
-            meant = _SECTIONS.get(key.lower()) if "elements" in fields else None
-            hint = f"did you mean {meant!r}?" if meant else did_you_mean(key, fields)
+            hint = did_you_mean(key, fields)
+            if "elements" in fields and key in _fields(Experiment):
+                hint = f"{key} = ... stands below [experiment]"
+            elif "elements" in fields and key.lower() in _SECTIONS:
+                hint = f"did you mean {_SECTIONS[key.lower()]!r}?"
             stored = [pair for pair in _STARTS if fields.keys() >= set(pair)]
             if stored and not hint.startswith("did"):  # most often how it starts is meant
                 hint = f"{hint}; it starts at {' or '.join(stored[0])}: {stored[0][1]} = ..."

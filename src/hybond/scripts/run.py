@@ -240,7 +240,7 @@ class _Rig:
             if status != "ok" or trace.carried is None:
                 break
             if trace.ended_by == "" and end == self.bound:
-                if k + 1 < len(todo):
+                if k + 1 < len(todo) or _is_cut(step, begin.t, end):
                     trace.warn(_over(k, step, end, len(todo)))
                 break
             changes = k + 1 < len(todo) and bool(todo[k + 1].set)
@@ -310,6 +310,12 @@ def _backwards(k: int, begin: str, end: float) -> UsageError:
         where=f"steps[{k}].until",
         hint="until is a time since the start of the run; lasts is how long",
     )
+
+
+def _is_cut(step: Step, begin: float, end: float) -> bool:
+    """Whether a step that has a time of its own ends before it."""
+    own = latest_end(step, begin, None)
+    return own is not None and own > end
 
 
 def _over(k: int, step: Step, end: float, many: int) -> str:
