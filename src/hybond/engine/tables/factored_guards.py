@@ -98,8 +98,11 @@ def _sign(op: str, e: Expr) -> Expr:
         case Call(function="sign"):
             return _sign(op, e.args[0])
         case Call(function="min" | "max"):
+            signs = [_sign(op, a) for a in e.args]
+            if signs == [Compare(op, a, _ZERO) for a in e.args]:
+                return Compare(op, e, _ZERO)  # one surface, along which a motion may slide
             each = (e.function == "min") == (op in (">", ">="))
-            return (_all if each else _any)([_sign(op, a) for a in e.args])
+            return (_all if each else _any)(signs)
         case Binary(op="*" | "/" | "^") | Call(function="abs" | "sqrt"):
             return _of_product(op, e)
         case Binary(op="+") | Call(function="hypot") if _is_magnitude(e):
