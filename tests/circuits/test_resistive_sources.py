@@ -92,9 +92,7 @@ def test_a_voltage_that_follows_its_own_current(tmp_path: Path) -> None:
     assert float(run[conversion.signal("i(B1)")].at(5e-4)) == pytest.approx(root)
 
 
-def test_a_surge_law_straight_behind_a_coil_runs_through_zero_and_says_what_is_off(
-    tmp_path: Path,
-) -> None:
+def test_a_surge_law_straight_behind_a_coil_runs_through_zero(tmp_path: Path) -> None:
     """Its voltage is a fifth root of the current, which is known to the tolerance."""
     path = tmp_path / "law.cir"
     rows = ["V1 in 0 SIN(0 325 50)", "L1 in a 10m", "B1 a 0 I=(v(a)/200)^5"]
@@ -113,8 +111,11 @@ def test_a_surge_law_straight_behind_a_coil_runs_through_zero_and_says_what_is_o
     assert current.at(t) == pytest.approx(meant, abs=1e-6)
     assert current.at(t + 0.01) == pytest.approx(-meant, abs=1e-6)
     assert current.at(t + 0.03) == pytest.approx(-meant, abs=1e-6)
-    (said,) = run.warnings
-    assert "swing" in said and "L1" in said
+    # of 290 V at most; by steps that swing it was off by 7 V where the current is zero
+    across = 200.0 * np.sign(meant) * np.abs(meant) ** 0.2
+    assert run["a.e"].at(t) == pytest.approx(across, abs=1.5)
+    for zero in (0.01, 0.02, 0.03):
+        assert abs(float(run["a.e"].at(zero))) < 0.1
 
 
 def test_a_measured_node_that_is_mistyped(tmp_path: Path) -> None:

@@ -34,13 +34,13 @@ SURGE = {
 
 @needs_c
 @pytest.mark.parametrize("name", SURGE)
-def test_a_program_goes_on_where_steps_swing_about_a_steep_law(name, tmp_path):
+def test_a_program_goes_through_zero_where_a_law_is_steep(name, tmp_path):
     domain, storage, law, *bonds = SURGE[name]
     model = hb.Model("surge", domain=domain)
     model.add(V=hb.Se("325*sin(100*pi*time)"), i=hb.One(), L=storage, law=law)
     model.bond(*bonds)
     run = hb.simulate(model, 0.04)
-    assert any("swing" in warning for warning in run.warnings)
+    assert run.status == "ok"
     text = hb.export(model, to="c", until=0.04)
     said = read_events(ask(compile_quickly(text, tmp_path, "surge"), "--events"))
     assert said.states == pytest.approx({"L.p": float(run.final["L.p"])}, rel=1e-9)
