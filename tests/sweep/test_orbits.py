@@ -42,6 +42,25 @@ def test_what_has_not_settled_is_said() -> None:
     assert hb.bifurcation(chopper(), {"R": [1.0, 2.0]}, of=["L.f"], period="T").notes == ()
 
 
+def boost() -> hb.Model:
+    m = hb.Model("boost", domain="electrical", parameters={"D": 0.4, "T": "20 us"})
+    m.input(g=hb.Input(pwm={"period": "T", "duty": "D"}))
+    m.add(V=hb.Se(12.0), il=hb.One(), L=hb.I(1e-4), x=hb.Zero(), gnd=hb.Se(0.0), low=hb.One())
+    m.add(d=hb.One(law="diode"), out=hb.Zero(), C=hb.C(4.7e-5), load=hb.R(24.0))
+    m.bond("V -> il -> x", "il -> L", "x -> low -> gnd", "x -> d -> out", "out -> C", "out -> load")
+    m.machine("gate", states={"off": [], "on": ["low"]}, start="off",
+              rules=["off -> on when g > 0.5", "on -> off when g < 0.5"])  # fmt: skip
+    return m
+
+
+def test_what_comes_to_no_period_may_not_have_settled_which_is_said() -> None:
+    """A filter that forgets a hundredth a period, 300 of them."""
+    found = hb.bifurcation(boost(), {"D": [0.4, 0.5]}, of=["L.f"], period="T")
+    assert "2 of all values came to no period" in found.notes[0] and "settle" in found.notes[0]
+    settled = hb.bifurcation(boost(), {"D": [0.4, 0.5]}, of=["L.f"], period="T", settle=3000)
+    assert settled.notes == () and settled.branches[0].period.tolist() == [1, 1]
+
+
 def test_a_period_and_bounds_have_the_unit_of_what_they_are_of() -> None:
     with pytest.raises(hb.UsageError) as caught:
         hb.bifurcation(chopper(), {"R": [1.0, 2.0]}, of=["L.f"], period="3 V")

@@ -276,6 +276,11 @@ class Bifurcation:
                 f"{slow} of all values still settle after {cut.settle} periods: their period is "
                 "extrapolated; a longer `settle` tells it"
             )
+        if none := sum(int((b.period == 0).sum()) for b in self.branches):
+            found.append(
+                f"{none} of all values came to no period: they are irregular, or have not settled "
+                f"after {cut.settle} periods, which a longer `settle` tells"
+            )
         if short and not self.interrupted:
             found.append(
                 f"{short} of all values came to fewer than {cut.settle} + {cut.keep} samples in "
