@@ -55,9 +55,9 @@ def boost() -> hb.Model:
 
 def test_what_comes_to_no_period_may_not_have_settled_which_is_said() -> None:
     """A filter that forgets a hundredth a period, 300 of them."""
-    found = hb.bifurcation(boost(), {"D": [0.4, 0.5]}, of=["L.f"], period="T")
+    found = hb.bifurcation(boost(), {"D": [0.3, 0.6]}, of=["L.f"], period="T")
     assert "2 of all values came to no period" in found.notes[0] and "settle" in found.notes[0]
-    settled = hb.bifurcation(boost(), {"D": [0.4, 0.5]}, of=["L.f"], period="T", settle=3000)
+    settled = hb.bifurcation(boost(), {"D": [0.3, 0.6]}, of=["L.f"], period="T", settle=3000)
     assert settled.notes == () and settled.branches[0].period.tolist() == [1, 1]
 
 
