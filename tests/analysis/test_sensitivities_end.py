@@ -130,3 +130,20 @@ def test_shares_that_a_mode_leaves_open_have_no_derivative() -> None:
     assert s.ends == 0.0 and "shared" in s.why
     whole = hb.sensitivities(m, "1 s", wrt=["V"], of=["c.e"])
     assert whole.final("c.e", "V") == pytest.approx(1 - np.exp(-1.0), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "guard",
+    ["C.e < 0", "C.e*C.e*C.e < 0", "C.e^3 < 0", "C.e*abs(C.e) < 0", "0 >= abs(C.e)", "C.e*D.e < 0"],
+)
+def test_derivatives_go_on_where_a_product_crosses_zero_by_its_factors(guard: str) -> None:
+    """A cube is flat there: it was taken for a guard that is only touched."""
+    m = hb.Model("flat", parameters={"u": 1.0})
+    m.add(C=hb.C(1.0, q=1.0), R=hb.R(1.0), S=hb.Sf("-u"), n=hb.Zero())
+    m.add(D=hb.C(1.0, q=0.0), s=hb.Sf('if r.state == "up" then 1 else 0'), k=hb.Zero())
+    m.bond("n -> C", "n -> R", "S -> n", "s -> k -> D")
+    m.machine("r", states={"up": [], "down": []}, start="up", rules=[f"up -> down when {guard}"])
+    found = hb.sensitivities(m, 1.0, wrt=["u"], of=["D.q"])
+    # C.e = (1 + u) exp(-t) - u is zero at log((1 + u)/u)
+    assert found.ends is None
+    assert found.final("D.q", "u") == pytest.approx(1.0 / 2.0 - 1.0, rel=1e-9)

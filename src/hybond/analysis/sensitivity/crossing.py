@@ -21,6 +21,7 @@ from hybond.analysis.sensitivity.fields import Field, Fields
 from hybond.analysis.sensitivity.gradients import Compiled
 from hybond.analysis.sensitivity.sampling import due
 from hybond.analysis.sensitivity.tangent import Read, Undetermined
+from hybond.engine.tables.factored_guards import factored_guard
 from hybond.model.expressions import Binary, Expr, comparisons, names, to_text
 from hybond.model.expressions.kinks import leaping
 from hybond.runs.trace import Event, Segment
@@ -137,7 +138,8 @@ def _guards_that_cross(
         rules = [r for r in machine.rules if r.source == source]
         own = [r for r in rules if machine.states[r.target] == fired.target]
         for rule in own or rules:
-            for compare in comparisons(rule.guard):
+            # a product is flat where it crosses: that is asked of what it is made of
+            for compare in comparisons(factored_guard(rule.guard)):
                 h = Binary("-", compare.left, compare.right)
                 for g in leaping(end.tangent.rows.moving(h)) if jumps else [h] if names(h) else []:
                     made = crossed(fields, segment, end, g, rule.said, loose=loose)
