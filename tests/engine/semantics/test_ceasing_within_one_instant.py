@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import hybond as hb
@@ -141,3 +143,140 @@ def test_what_goes_on_to_hold_is_a_cycle(rules, rates, at, solver: str) -> None:
     run = hb.simulate(model, 1.0, solver=solver, on_error="return")
     assert run.error is not None
     assert run.error.code == "HB-N401"
+
+
+SLOW = [(-1e-3, 1e-3), (-1e-6, 1e-7), (-1e-9, 1e-4), (-1e-11, 1e-3), (-1e-12, 0.1), (-1e-15, 0.1)]
+
+
+def charged(
+    slow: float,
+    at: float,
+    resistance: float = 0.0,
+    rules: list[str] | None = None,
+    *,
+    turned: bool = False,
+) -> hb.Model:
+    """The same, put onto 2 V by a switch at an instant; B through a resistance if there is one."""
+    m = falling(rules or HYSTERESIS, (-1.0, slow), turned=turned)
+    for name in "AB":
+        m.add({f"u{name}": hb.Se(2.0), f"w{name}": hb.One()})
+        m.bond(f"u{name} -> w{name} -> z{name}")
+    if resistance:
+        m.add(rB=hb.R(resistance))
+        m.bond("wB -> rB")
+    states = {"off": [], "on": ["wA", "wB"]}
+    m.machine("sw", states=states, start="off", rules=[f"off -> on when time >= {at}"])
+    return m
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("slow", "at"), SLOW)
+def test_what_has_fallen_off_its_threshold_is_asked_where_it_jumps_beyond(
+    slow: float, at: float, turned: bool, solver: str
+) -> None:
+    """It was deaf up to a moment long after that, and then found nothing that was crossed."""
+    run = hb.simulate(charged(slow, at, turned=turned), 1.0, solver=solver)
+    assert run.status == "ok"
+    assert ends(run)[-2:] == [(pytest.approx(0.0, abs=1e-11), "a"), (at, "b")]
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_momenta_that_have_fallen_off_are_asked_where_they_jump_beyond(solver: str) -> None:
+    """The dual."""
+    m = hb.Model("braked")
+    for name, force, speed in (("A", -1.0, 1.0), ("B", -1e-9, 0.5)):
+        m.add({name: hb.I(1.0, p=speed), f"s{name}": hb.Se(force), f"w{name}": hb.One()})
+        m.add({f"u{name}": hb.Sf(2.0), f"z{name}": hb.Zero()})
+        m.bond(f"s{name} -> w{name} -> {name}", f"u{name} -> z{name} -> w{name}")
+    rules = ["b -> a when A.f < 1", "a -> b when B.f >= 0.5"]
+    m.machine("m", states={"a": [], "b": []}, start="a", rules=rules)
+    states = {"off": [], "on": ["zA", "zB"]}
+    m.machine("sw", states=states, start="off", rules=["off -> on when time >= 1e-4"])
+    run = hb.simulate(m, 1.0, solver=solver)
+    assert run.status == "ok"
+    assert ends(run)[-1] == (1e-4, "b")
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(("slow", "at"), [(-1e-3, 0.1), (-1e-9, 1e-4), (-1e-11, 1e-3)])
+def test_what_has_fallen_off_its_threshold_is_asked_where_a_switch_turns_it(
+    slow: float, at: float, solver: str
+) -> None:
+    """B.q is 0.5 + slow * at there, and goes on to 2 with a time constant of 10 ms."""
+    run = hb.simulate(charged(slow, at, 1e-2), 1.0, solver=solver)
+    assert run.status == "ok"
+    back = 1e-2 * math.log1p(-slow * at / 1.5)
+    assert ends(run)[-1] == (pytest.approx(at + back, abs=1e-11), "b")
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_either_of_two_comparisons_wakes_what_waits(solver: str) -> None:
+    """B is not told from its threshold all along; A is beyond the other one at once."""
+    rules = ["b -> a when A.q < 1", "a -> b when B.q >= 0.5 or A.q > 1.5"]
+    model = falling(rules, (-1.0, -1e-15))
+    model.add(u=hb.Se(2.0), w=hb.One())
+    model.bond("u -> w -> zA")
+    states = {"off": [], "on": ["w"]}
+    model.machine("sw", states=states, start="off", rules=["off -> on when time >= 0.1"])
+    run = hb.simulate(model, 1.0, solver=solver)
+    assert run.status == "ok"
+    assert ends(run)[-1] == (0.1, "b")
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("size", [1e-3, 1e-9])
+def test_what_turns_by_itself_after_it_has_fallen_off_is_asked(size: float, solver: str) -> None:
+    """B.q - 0.5 is size (t^2 - t), so at its threshold again at 1 s; A is above its own then."""
+    m = hb.Model("turning")
+    rates = {"A": "4*time - 1", "B": f"{size}*(2*time - 1)"}
+    for name, q in (("A", 1.0), ("B", 0.5)):
+        m.add({name: hb.C(1.0, q=q), f"s{name}": hb.Sf(rates[name]), f"z{name}": hb.Zero()})
+        m.bond(f"s{name} -> z{name} -> {name}")
+    m.machine("m", states={"a": [], "b": []}, start="a", rules=HYSTERESIS)
+    run = hb.simulate(m, 3.0, solver=solver)
+    assert run.status == "ok"
+    assert ends(run)[-1] == (pytest.approx(1.0, abs=2e-13 / size), "b")
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_what_jumps_elsewhere_leaves_what_has_fallen_off_where_it_is(solver: str) -> None:
+    """Nothing of it is reached by the jump: no cycle (HB-N401), and no other mode."""
+    model = falling(HYSTERESIS, (-1.0, -1e-12))
+    model.add(D=hb.C(1.0, q=0.1), u=hb.Se(2.0), w=hb.One())
+    model.bond("u -> w -> D")
+    states = {"off": [], "on": ["w"]}
+    model.machine("sw", states=states, start="off", rules=["off -> on when time >= 0.1"])
+    run = hb.simulate(model, 1.0, solver=solver)
+    assert run.status == "ok"
+    assert ends(run)[-1][1] == "a"
+    assert run["D.q"].at(1.0) == pytest.approx(2.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_run_that_goes_on_is_asked_where_what_waited_jumps_beyond(solver: str) -> None:
+    model = charged(-1e-12, 0.1)
+    first = hb.simulate(model, 0.05, solver=solver)
+    run = hb.simulate(model, 1.0, start=first, solver=solver)
+    assert run.status == "ok"
+    assert ends(run)[-1] == (0.1, "b")
+
+
+@pytest.mark.parametrize("slow", [-1e-9, -1e-12, -1e-15])
+def test_what_has_fallen_off_its_threshold_waits_from_step_to_step(slow: float) -> None:
+    """Each fixed step is an instant: none of them is a cycle (HB-N401), or an event."""
+    run = hb.simulate(charged(slow, 0.1), 1.0, solver="moreau-jean", step=1e-3)
+    assert run.status == "ok"
+    assert ends(run) == [(0.0, "b"), (pytest.approx(0.001), "a"), (pytest.approx(0.1), "b")]
+
+
+@pytest.mark.parametrize("solver", ["rk45", "radau", "exact"])
+@pytest.mark.parametrize("slow", [-1e-12, -1e-15])
+def test_samples_leave_what_has_fallen_off_where_it_is(slow: float, solver: str) -> None:
+    model = charged(slow, 0.1)
+    model.signal(seen=hb.Sampled("A.q", every=1e-2))
+    run = hb.simulate(model, 1.0, solver=solver)
+    assert run.status == "ok"
+    found = ends(run)
+    assert len(found) == 3
+    assert found[-1] == (0.1, "b")

@@ -16,7 +16,7 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds_from
 from hybond.engine.guards.in_force import is_asked
 from hybond.engine.guards.kept_sides import keeps_sides
-from hybond.engine.guards.rest_records import waits
+from hybond.engine.guards.waiting import waits
 from hybond.engine.instant.instant import Instant
 from hybond.engine.instant.told import BY_LAW
 from hybond.engine.methods.stepping import between
@@ -55,9 +55,11 @@ def holds_clearly(e: Engine, r: int, times: float) -> bool:
     m = e.model
     v = e.checks.v
     stack = e.work.stack
-    if e.rests.rule[r] != 0 or keeps_sides(e, r, v) or waits(e.rests, r, e.t):
+    if e.rests.rule[r] != 0 or keeps_sides(e, r, v):
         return False
     measure(e, e.mode, r, e.work.xi, v, e.work.terms)
+    if waits(e, r, e.t, v, e.work.terms):
+        return False
     # while machines slide, terms of bond variables are not made anew
     for p in range(m.read_first[r], m.read_first[r + 1] if e.slide.k == 0 else 0):
         e.work.terms[m.read_slot[p]] *= times

@@ -13,7 +13,7 @@ from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.kept_sides import NOT_ASKED, ask_kept
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.guards.naps import is_asleep
-from hybond.engine.guards.rest_records import waits
+from hybond.engine.guards.waiting import may_wait, waits
 from hybond.engine.jumps.jump import on_constraints
 from hybond.engine.jumps.tied import put_tied
 from hybond.engine.jumps.trial import refuse_pair
@@ -232,8 +232,11 @@ def holds_at(e: Engine, g: Locator, k: int, t: float) -> bool:
 
 
 def waits_still(e: Engine, g: Locator, k: int, t: float) -> bool:
-    """Whether guard k is that of a rule that is not asked yet."""
-    return e.rests.some_wait and g.rule[k] >= 0 and waits(e.rests, g.rule[k], t)
+    """Whether guard k is that of a rule that waits still, at the values of the motion."""
+    if g.rule[k] < 0 or g.part[k] >= 0 or not may_wait(e, g.rule[k], t):
+        return False
+    measure_here(e, g, k)
+    return waits(e, g.rule[k], t, e.v, e.work.terms)
 
 
 def keeps(e: Engine, g: Locator, k: int) -> bool:

@@ -20,7 +20,14 @@ from hybond.engine.guards.blurred import forget_blurred, let_blurred_pass
 from hybond.engine.guards.bracket import bracket
 from hybond.engine.guards.candidates import beside, between_roots, extrema, keep, sort
 from hybond.engine.guards.guard_shape import find_shape, give_up_kinks, is_resolved, sample
-from hybond.engine.guards.guard_values import atom_at, holds_at, show, terms_here
+from hybond.engine.guards.guard_values import (
+    atom_at,
+    holds_at,
+    look,
+    show,
+    terms_here,
+    waits_still,
+)
 from hybond.engine.guards.kept_rests import forget_rests
 from hybond.engine.guards.locator import (
     ALL_PARTS,
@@ -39,6 +46,7 @@ from hybond.engine.guards.rests_asked import see_rests_beside
 from hybond.engine.guards.sides_seen import note_sides
 from hybond.engine.guards.solved_guards import solve_guards
 from hybond.engine.guards.unresolved import see_borne, see_held_back
+from hybond.engine.guards.waiting import may_wait, wake
 
 SOON: Final = 1e-3
 """Part of a step after which what begins at a kink is on one of its sides."""
@@ -61,9 +69,19 @@ def locate(e: Engine, g: Locator) -> int:
     if status == OK:
         see_held_back(e, g)
         see_borne(e, g)
+        see_waits(e, g)
     show(e, g, ALL_PARTS)
     g.sampled = False
     return status
+
+
+def see_waits(e: Engine, g: Locator) -> None:
+    """Let rules be asked again whose comparisons are elsewhere at the end of the step."""
+    for k in range(g.guards if e.rests.some_wait and g.at == math.inf else 0):
+        if g.rule[k] >= 0 and may_wait(e, g.rule[k], e.step.t1):
+            look(e, g, e.step.t1)
+            if not waits_still(e, g, k, e.step.t1):
+                wake(e, g.rule[k])
 
 
 def search(e: Engine, g: Locator) -> int:

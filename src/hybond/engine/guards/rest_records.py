@@ -66,9 +66,10 @@ class Rests:
     where that counts as zero, as the state it leaves was entered with what had not moved since."""
     within: Floats
     waits_until: Floats
-    """Of each rule: up to when it is not asked, as what it compares was at its threshold and leaves
-    it on the other side; whether any waits so."""
+    stands_on: Floats
     some_wait: bool
+    """Of each rule: up to when it waits at most, as what it compares was at its threshold and
+    leaves it on the other side; of each comparison: where it was; whether any rule waits."""
     began: Floats
     """Each state as the last jump has left it, or the start; and when the motion began."""
     begun: bool
@@ -151,6 +152,7 @@ def make_rests(m: Model) -> Rests:
     q.waits_until = floats(rules)
     for r in range(rules):
         q.waits_until[r] = -math.inf
+    q.stands_on = floats(atoms)
     q.by_hand = ints(rules)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
@@ -211,11 +213,6 @@ def make_room(q: Rests, n: int, rules: int, atoms: int) -> None:
         q.near = floats(atoms)
         q.limit = floats(atoms)
         q.room = atoms
-
-
-def waits(q: Rests, r: int, t: float) -> bool:
-    """Whether a rule is not asked yet: a moment ago it ceased to hold."""
-    return q.some_wait and t <= q.waits_until[r]
 
 
 def side_of(q: Rests, a: int) -> int:

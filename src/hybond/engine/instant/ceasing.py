@@ -4,7 +4,8 @@ Two switches fall off their thresholds together. One is located a last place soo
 whose comparison is not told from equality there: so its guard holds still, and leads back, and
 time could not advance. It would not hold a moment later. So where modes come back at an instant
 it is asked of each whether what leads out of it would hold if time went on there. A mode out of
-which nothing leads then is the one that stands, and its guards are asked again from that moment.
+which nothing leads then is the one that stands, and its guards wait as long as what they compare
+is not told from its threshold.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds_from
-from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.instant.enabled import find_enabled
+from hybond.engine.guards.waiting import let_wait, place_of, wake_all
+from hybond.engine.instant.enabled import find_enabled, is_standing, is_struck
 from hybond.engine.instant.settling import Settling, comes_back
 from hybond.engine.laws.entering import enter
 from hybond.engine.methods.explicit.dopri import spacing
@@ -27,9 +28,7 @@ from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import evaluate, field
 
 MODES: Final = 64
-"""Of a cycle of which it is asked whether one of them stands."""
-EQUAL: Final = 4.0
-"""Times its rounding within which a comparison is at its threshold where it was located."""
+"""Of a cycle of which it is asked whether one of them stands, and so many cycles of an instant."""
 FARTHEST: Final = 1e3
 """Times the run after which it is looked at the last: a run may be shorter than an instant is."""
 BESIDE: Final = 1e-9
@@ -40,16 +39,24 @@ LATER: Final = 4.0
 """... and times as long each time after that."""
 
 
+def is_over(e: Engine, g: Settling, fired: int) -> bool:
+    """Whether anything changes at the instant, and rules wait since another: the motion is over."""
+    if not e.rests.some_wait or g.stands > 0 or fired < 0:
+        return False
+    return fired > 0 or e.trial.jumps or not is_standing(e, g)
+
+
 def find_standing(e: Engine, g: Settling) -> bool:
     """Find a mode that stands among those that have come back; its guards wait for a moment.
 
     The trial is the one that has come back, and is so again.
     """
-    if e.slide.many > 0:
+    g.stands += 1
+    if e.slide.many > 0 or g.stands > MODES:
         return False
     found = False
     for _ in range(MODES):
-        if not e.trial.jumps and not is_fieldless(e, e.mode):
+        if not is_held_by_impulse(e, g) and not is_fieldless(e, e.mode):
             found = stands_on(e, g)
         for k in range(e.model.machines):
             g.entered[k] = g.target[k]
@@ -66,6 +73,14 @@ def find_standing(e: Engine, g: Settling) -> bool:
         g.tries = 0
         g.turn = 1
     return found
+
+
+def is_held_by_impulse(e: Engine, g: Settling) -> bool:
+    """Whether what holds in the trial reads an impulse: that is over a moment later anyhow."""
+    for r in range(e.model.rule_first[e.model.machines]):
+        if g.held[r] != 0 and is_struck(e, r):
+            return True
+    return False
 
 
 def stands_on(e: Engine, g: Settling) -> bool:
@@ -85,11 +100,15 @@ def stands_on(e: Engine, g: Settling) -> bool:
     e.standing.some = stood
     e.evaluations = evaluations
     e.refusal = refused
-    for r in range(m.rule_first[m.machines] if moment < math.inf else 0):
+    if moment == math.inf:
+        return False
+    wake_all(e)
+    for k in range(m.machines):
+        g.stand_state[k] = e.trial.state[k]
+    for r in range(m.rule_first[m.machines]):
         if g.held[r] != 0:
-            e.rests.waits_until[r] = moment
-            e.rests.some_wait = True
-    return moment < math.inf
+            let_wait(e, r, moment, e.v, e.trial.terms)
+    return True
 
 
 def moment_after(e: Engine, g: Settling) -> float:
@@ -117,31 +136,9 @@ def is_at_threshold(e: Engine, g: Settling, r: int) -> bool:
     """Whether a comparison of a rule is not told from equality in the trial."""
     m = e.model
     for a in range(m.atom_first[r], m.atom_first[r + 1]):
-        if is_equal(e, g, r, a):
+        if place_of(e, r, a, g.moment_values, e.trial.terms) == 0.0:
             return True
     return False
-
-
-def is_equal(e: Engine, g: Settling, r: int, a: int) -> bool:
-    """Whether comparison a of a rule is not told from equality in the trial."""
-    m = e.model
-    here = value(m, m.atom_value[a], g.moment_values)
-    swap_terms_of_trial(e, g, r)
-    size = value(m, m.atom_size[a], g.moment_values)
-    swap_terms_of_trial(e, g, r)
-    return math.fabs(here) <= EQUAL * ROUNDING * size
-
-
-def swap_terms_of_trial(e: Engine, g: Settling, r: int) -> None:
-    """Exchange the bond variables that a rule reads for what they are measured by."""
-    m = e.model
-    terms = e.trial.terms
-    for p in range(m.read_first[r], m.read_first[r + 1]):
-        slot = m.read_slot[p]
-        if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:
-            here = g.moment_values[slot]
-            g.moment_values[slot] = terms[slot]
-            terms[slot] = here
 
 
 def ceases(e: Engine, g: Settling, r: int, beside: bool) -> bool:
@@ -164,7 +161,7 @@ def ceases(e: Engine, g: Settling, r: int, beside: bool) -> bool:
     for a in range(m.atom_first[r], m.atom_first[r + 1]):
         before = value(m, m.atom_value[a], g.moment_values)
         here = value(m, m.atom_value[a], e.v)
-        equal = is_equal(e, g, r, a)
+        equal = place_of(e, r, a, g.moment_values, e.trial.terms) == 0.0
         if before * here < 0.0 and not equal:
             return False
         size = value(m, m.atom_size[a], g.moment_values)

@@ -8,7 +8,7 @@ from hybond.engine.expressions.paired import holds_from
 from hybond.engine.guards.in_force import is_asked
 from hybond.engine.guards.kept_sides import NOT_ASKED, holds_on_sides, warn_of_kept
 from hybond.engine.guards.limits_crossed import level_of
-from hybond.engine.guards.rest_records import waits
+from hybond.engine.guards.waiting import waits
 from hybond.engine.instant.indeterminate import (
     DECIDED,
     is_indeterminate,
@@ -42,6 +42,8 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
             true = rule_holds(e, t, k, r)
             if true < 0:
                 return -1
+            if true > 0 and waits_in_trial(e, g, r, t):
+                true = 0
             g.held[r] = true
             if true > 0 and not chosen:
                 chosen = True
@@ -50,11 +52,33 @@ def find_enabled(e: Engine, g: Settling, t: float) -> int:
     return fired
 
 
+def waits_in_trial(e: Engine, g: Settling, r: int, t: float) -> bool:
+    """Whether a rule that holds waits, as the trial is the mode that was found to stand."""
+    if not e.rests.some_wait or is_struck(e, r) or not is_standing(e, g):
+        return False
+    return waits(e, r, t, e.v, e.trial.terms)
+
+
+def is_standing(e: Engine, g: Settling) -> bool:
+    """Whether the trial is of the mode that was found to stand."""
+    for k in range(e.model.machines):
+        if e.trial.state[k] != g.stand_state[k]:
+            return False
+    return True
+
+
+def is_struck(e: Engine, r: int) -> bool:
+    """Whether what a rule reads carries an impulse in the trial."""
+    m = e.model
+    for p in range(m.read_first[r], m.read_first[r + 1] if e.trial.jumps else 0):
+        if e.trial.jump[m.read_slot[p]] != 0.0:
+            return True
+    return False
+
+
 def rule_holds(e: Engine, t: float, k: int, r: int) -> int:
     """Return whether rule r of machine k holds in the trial, 1 or 0; -1 if it has no truth."""
     m = e.model
-    if waits(e.rests, r, t):
-        return 0
     open_at = is_indeterminate(e, r)
     if open_at != DECIDED:
         # how diodes in a row share what they block is nobody's choice

@@ -13,10 +13,11 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.guards.waiting import wake_all
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
-from hybond.engine.instant.ceasing import find_standing
+from hybond.engine.instant.ceasing import find_standing, is_over
 from hybond.engine.instant.doubts import warn_of_moduli
 from hybond.engine.instant.enabled import find_enabled
 from hybond.engine.instant.indeterminate import (
@@ -25,8 +26,10 @@ from hybond.engine.instant.indeterminate import (
 )
 from hybond.engine.instant.instant import (
     CONTINUOUS,
+    GUARD,
     MYTHICAL,
     PINNACLE,
+    SAMPLE,
     START,
     Instant,
     drop_fired,
@@ -143,6 +146,9 @@ def begin_to_settle(e: Engine, g: Settling, i: Instant) -> int:
     g.tries = 0
     g.turn = 1
     g.marked = False
+    g.stands = 0
+    if i.cause != GUARD and i.cause != SAMPLE:
+        wake_all(e)
     hold_before(e, t, e.model.timed_jumps)
     known = a_priori(e, t, g.x, g.s, g.state) == OK
     e.trial.turn += 1
@@ -184,8 +190,13 @@ def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
     while True:
         entered = i.waiting > 0
         fired = find_enabled(e, g, e.t)
+        if is_over(e, g, fired):
+            wake_all(e)
+            fired = find_enabled(e, g, e.t)
         if fired > 0 and comes_back(e, g) and find_standing(e, g):
             fired = find_enabled(e, g, e.t)
+        if fired == 0 and g.stands > 0 and not e.trial.jumps:
+            return many  # it may be the mode from which it was found
         if fired < 0 or look_for_cycle(e, g) != OK:
             return -1
         if fired == 0:

@@ -33,6 +33,9 @@ class Settling:
     mark_written: Ints
     mark: Floats
     mark_jumps: bool
+    # the mode that was found to stand, and how many were
+    stand_state: Ints
+    stands: int
     # what goes on from a trial for a moment
     moment: Floats
     moment_rate: Floats
@@ -56,6 +59,7 @@ def make_settling(e: Engine) -> Settling:
     g.mark_state = ints(m.machines)
     g.mark_written = ints(m.machines)
     g.mark = floats(2 * e.states + m.slots)
+    g.stand_state = ints(m.machines)
     g.moment = floats(e.states)
     g.moment_rate = floats(e.states)
     g.moment_sum = floats(e.states)

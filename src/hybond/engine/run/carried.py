@@ -204,6 +204,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
         e.rests.waits_until[k] = carry_number(c, e.rests.waits_until[k])
     e.rests.some_wait = carry_truth(c, e.rests.some_wait)
     atoms = m.atom_first[m.rule_first[many]]
+    carry_floats(c, atoms, e.rests.stands_on)
     carry_ints(c, atoms, e.rests.atom)
     carry_floats(c, atoms, e.rests.band)
     carry_ints(c, atoms, e.rests.side)
