@@ -144,17 +144,18 @@ def is_at_threshold(e: Engine, g: Settling, r: int) -> bool:
 def ceases(e: Engine, g: Settling, r: int, beside: bool) -> bool:
     """Whether a rule does not hold at the values a moment later, by what was at its threshold.
 
-    That is `beside` it still, if more than an instant is gone.
+    That is `beside` it still, if more than an instant is gone. What was before stays what it was:
+    a guard that holds by that does so for all of the instant.
     """
     m = e.model
     stack = e.work.stack
     stack.now = e.v
-    stack.was = e.v
+    stack.was = e.pre
     stack.was_first = 0
     stack.jump = e.v
     stack.jumps = False
     stack.terms = e.trial.terms
-    stack.prior_terms = e.trial.terms
+    stack.prior_terms = e.trial.prior_terms
     true = holds_from(m, r, stack, 0.0)
     if true or stack.refused != 0:
         return False
