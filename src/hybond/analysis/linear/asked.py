@@ -142,7 +142,7 @@ def _followed(
             where="inputs",
             hint="linearise the model: hb.linearise(model, at={...}) with the states of the run",
         )
-    slots = Slots(set(wanted))
+    slots = Slots(set(wanted), moving=True)
     made = flatten(model, {}, slots)
     for path in wanted:
         if path in slots.fixed:

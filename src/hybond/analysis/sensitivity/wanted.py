@@ -81,7 +81,7 @@ def slotted(opened: Opened, given: Mapping[str, Value]) -> Wanted:
         Of what is varied, by the names of `opened.paths`.
     """
     paths, model = opened.paths, opened.model
-    slots = Slots(set(paths))
+    slots = Slots(set(paths), moving=True)
     values = {**opened.given, **given}
     graph = flatten(model, values, slots)
     for name, path in zip(opened.names, paths):

@@ -76,8 +76,9 @@ class Slots:
         Dotted paths of the parameters that are slots; default: all.
     """
 
-    def __init__(self, wanted: Container[str] | None = None) -> None:
+    def __init__(self, wanted: Container[str] | None = None, *, moving: bool = False) -> None:
         self.wanted = wanted
+        self.moving = moving
         self.parameters: dict[str, Slot] = {}
         """In an order in which each is made of those before it."""
         self.conditions: dict[Expr, None] = {}
@@ -213,6 +214,8 @@ class Slotted:
             return NotImplemented
         holds = _PLAIN[op](self.value, plain(other))
         tree = tree_of(other)
+        if self.slots.moving and op in ("==", "!=") and tree != self.tree:
+            return op == "!="
         if tree != self.tree and math.isfinite(plain(other)):
             self.slots.note(Compare(op, self.tree, tree), holds=holds)
         return holds
