@@ -1,5 +1,7 @@
 """Derivatives of runs through their switches, against closed forms and equations of their own."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -241,3 +243,39 @@ def test_a_coil_that_empties_through_a_power_by_its_coefficient(arrow: str) -> N
     by = i**0.25 * t / 0.1 * 0.25 * k**-1.25
     assert found.ends is None
     assert found["S.f"][-1, 0] == pytest.approx(by, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("start", "law", "of"),
+    [
+        (90.0, "cos(al)", "TF"),
+        (180.0, "sin(al)", "TF"),
+        (60.0, "cos(al) - 0.5", "TF"),
+        (90.0, "cos(al)", "GY"),
+        (90.0, "cos(al)*f", "R"),
+        (90.0, "cos(al)*f^3", "R"),
+        (180.0, "sin(al)*time", "Se"),
+        (0.0, "al", "TF"),
+        (0.0, "al*f", "R"),
+    ],
+)
+def test_derivatives_by_what_makes_a_factor_zero(start: float, law: str, of: str) -> None:
+    """At a right angle the factor is exactly zero, and its term was left out: so was its slope."""
+    al = math.radians(start)
+    m = hb.Model("lever", domain="translational", parameters={"al": al})
+    m.add(a=hb.I(1.0, p=1.0), k=hb.C(0.5), v=hb.One(), w=hb.One(), h=hb.C(0.25))
+    m.add(b=hb.R({"e": law}) if of == "R" else hb.R("1 [N*s/m]"))
+    m.add(t={"TF": hb.TF, "GY": hb.GY}[of](law) if of in ("TF", "GY") else hb.TF(1.0))
+    m.add(s=hb.Se(law if of == "Se" else 0.0))
+    m.bond("v -> a", "v -> k", "v -> t -> w", "w -> b", "w -> h", "s -> v")
+    found = hb.sensitivities(m, 1.0, wrt=["al"], of=["h.q"])
+
+    def ends(value: float) -> float:
+        run = hb.simulate(m, 1.0, parameters={"al": value}, rtol=1e-11, atol=1e-14)
+        return float(run["h.q"].at(1.0))
+
+    step = 1e-4
+    assert found.ends is None
+    by_runs = (ends(al + step) - ends(al - step)) / (2.0 * step)
+    assert found.final("h.q", "al") == pytest.approx(by_runs, rel=1e-6)
+    assert abs(by_runs) > 0.05
