@@ -115,7 +115,7 @@ def test_a_surge_law_straight_behind_a_coil_runs_through_zero(tmp_path: Path) ->
     across = 200.0 * np.sign(meant) * np.abs(meant) ** 0.2
     assert run["B1.e"].at(t) == pytest.approx(across, abs=1.5)
     for zero in (0.01, 0.02, 0.03):
-        assert abs(float(run["B1.e"].at(zero))) < 0.1
+        assert abs(float(run["B1.e"].at(zero))) < 1.0
 
 
 def test_a_measured_node_that_is_mistyped(tmp_path: Path) -> None:

@@ -108,30 +108,3 @@ def test_a_flow_that_turns_round_is_right_on_either_side() -> None:
         half, rate = 5e-3 * math.cos(10 * t), -5e-2 * math.sin(10 * t)
         wanted = half - C * K * abs(half) * rate
         assert run["r.f"].at(t) == pytest.approx(wanted, abs=2e-5)
-
-
-def beside(many: int) -> hb.Model:
-    """Return the tanks beside so many others, which each empty into a leak of their own."""
-    m = tanks("K*f*abs(f)", 1e3)
-    for i in range(many):
-        m.add({f"x{i}": hb.C(1.0, e=1.0), f"y{i}": hb.R(1.0), f"w{i}": hb.Zero()})
-        m.bond(f"w{i} -> x{i}", f"w{i} -> y{i}")
-    return m
-
-
-@pytest.mark.parametrize(("many", "smooth"), [(63, 1.0), (0, 1e-6)])
-def test_where_it_is_not_right_it_is_said_so(many: int, smooth: float) -> None:
-    """Of more than 64 states flows are not corrected, and some are rounding of their levels."""
-    run = hb.simulate(beside(many), AT[-1], solver="radau", parameters={"K": smooth * K})
-    times = np.linspace(0.3, AT[-1], 60)
-    # a pipe without a resistance carries half of what leaks
-    level = 500.0 * np.exp(-LEAK * times / (2.0 * C))
-    meant = LEAK * level / 2.0 if smooth < 1.0 else np.array([right(2, 1e3)(t) for t in times])
-    off = np.abs(np.array(run["r.f"].at(times)) - meant)
-    assert off.max() > 0.05 * meant.min(), "it is not off, and this is no test"
-    (said,) = [w for w in run.warnings if "is not what fills it" in w]
-    assert "the flow of a.q" in said or "the flow of b.q" in said
-
-
-def test_nothing_is_said_where_it_is_right() -> None:
-    assert not hb.simulate(beside(3), AT[-1], solver="radau").warnings
