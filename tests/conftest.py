@@ -33,6 +33,8 @@ DEAR = {
     "test_a_nonlinear_graph_is_linearised_at_its_start",
 }
 """Tests of these that take more than some seconds."""
+COMPILED = {"c", "java", "strict", "gcc", "clang"}
+"""Marks of what compiles a program first, which takes some seconds each."""
 
 settings.register_profile("same", derandomize=True, deadline=None, database=None)
 settings.register_profile("new", deadline=None)
@@ -88,7 +90,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.skip(reason=reason))
     if not config.option.keyword:  # who asks for tests by name gets all of their cases
         sample(items)
-        take_a_third(items)
+        take_a_sixth(items)
 
 
 def sample(items: list[pytest.Item]) -> None:
@@ -120,15 +122,16 @@ def sample(items: list[pytest.Item]) -> None:
                 item.add_marker(pytest.mark.slow)
 
 
-def take_a_third(items: list[pytest.Item]) -> None:
-    """Of the slow tests of what a run does, let every third be none, the same ones each time.
+def take_a_sixth(items: list[pytest.Item]) -> None:
+    """Of the slow tests of what a run does, let every sixth be none, the same ones each time.
 
     Which these are is by a checksum of their names: cases that no pattern of a grid chooses.
     """
     for item in items:
         slow = next((m for m in item.own_markers if m.name == "slow"), None)
-        chosen = zlib.crc32(item.nodeid.encode()) % 3 == 0
+        chosen = zlib.crc32(item.nodeid.encode()) % 6 == 0
         dear = getattr(item, "originalname", "") in DEAR
+        dear = dear or any(m.name in COMPILED for m in item.iter_markers())
         if slow and chosen and not dear and RUNS & {*item.path.parts}:
             item.own_markers.remove(slow)
 

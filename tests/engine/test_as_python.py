@@ -83,7 +83,7 @@ def assert_alike(library: hb.Result, python: hb.Result, *, bits: bool = BITS) ->
 
 
 @pytest.mark.usefixtures("native")
-@pytest.mark.sampled(20)
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize("name", CASES)
 def test_an_example_runs_as_by_the_library(name: str) -> None:
     library, python = both_of(name)
