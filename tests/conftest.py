@@ -26,6 +26,9 @@ LARGE_GRID = 9
 """Cases from which on a grid is sampled: of two by two it would be one diagonal, on which neither
 axis is told from the other."""
 
+LONG_LIST = 6
+"""Cases of one list from which on it is sampled."""
+
 RUNS = {"engine", "cases", "simulation", "property", "model"}
 """Folders of tests whose slow ones are run in part."""
 DEAR = {
@@ -98,7 +101,8 @@ def sample(items: list[pytest.Item]) -> None:
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
     ``parametrize`` make, it keeps a third, in which the values of each come about as often as each
-    other. Of any grid it keeps at least as many as its longest axis has values.
+    other. Of any grid it keeps at least as many as its longest axis has values. Of a long list it
+    keeps every other one.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -116,7 +120,7 @@ def sample(items: list[pytest.Item]) -> None:
         elif is_grid(lengths_of(found), found) and len(found) >= LARGE_GRID:
             kept = balanced(lengths_of(found), max(-(-len(found) // 3), *lengths_of(found)))
         else:
-            kept = {*range(len(found))}
+            kept = {*range(0, len(found), 2 if len(found) >= LONG_LIST else 1)}
         for k, item in enumerate(found):
             if k not in kept:
                 item.add_marker(pytest.mark.slow)

@@ -23,6 +23,7 @@ def bouncer(amplitude: str) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_the_bouncing_ball_is_born_in_a_fold_and_doubles_its_period() -> None:
     e, g, w = 0.8, 9.81, 20.0
     # once a period: the table's speed at impact u, its acceleration a (see test_periodic)

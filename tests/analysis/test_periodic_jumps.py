@@ -66,6 +66,7 @@ def test_what_follows_a_source_jumps_with_it_at_the_end_of_the_period(P: float) 
         assert orbit.derivative("x", "P") == pytest.approx(-e / 2 / (e + 1) ** 2, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_steep_is_no_jump() -> None:
     """A square wave but for its edges, the last one in the middle of its rise at the end."""
     P, k = 0.5, 1e4

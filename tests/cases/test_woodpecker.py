@@ -111,6 +111,7 @@ def second(simulate):
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_a_second_of_it(second):
     """The steps meet impacts up to a step late, by which all that follows is late: order one."""
     h = 4e-5

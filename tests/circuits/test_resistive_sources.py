@@ -92,6 +92,7 @@ def test_a_voltage_that_follows_its_own_current(tmp_path: Path) -> None:
     assert float(run[conversion.signal("i(B1)")].at(5e-4)) == pytest.approx(root)
 
 
+@pytest.mark.slow
 def test_a_surge_law_straight_behind_a_coil_runs_through_zero(tmp_path: Path) -> None:
     """Its voltage is a fifth root of the current, which is known to the tolerance."""
     path = tmp_path / "law.cir"

@@ -90,6 +90,7 @@ def nets(found: dict[str, tuple[Point, ...]]) -> dict[str, str]:
     return {key: next(e for e in key.split(" -> ") if "." not in e) for key in found}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", EACH)
 def test_coils_of_a_core_stand_side_by_side_with_bars_between_and_dots_that_agree(
     name: str, folder: str
@@ -131,6 +132,7 @@ def test_power_goes_from_left_to_right(name: str, folder: str) -> None:
     assert middle(groups["L2"])[0] < middle(groups["C1"])[0] <= middle(groups["R1"])[0]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", [*EACH, "ladder40"])
 def test_wires_of_nets_are_apart_and_no_symbol_is_crossed(name: str, folder: str) -> None:
     drawing, groups = drawn(name, folder)

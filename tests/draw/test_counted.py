@@ -147,6 +147,7 @@ def crowded(count: int) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_bonds_of_a_crowded_junction_do_not_lie_on_each_other() -> None:
     """Eleven bonds and more: three ran along others, which reads as bonds that branch."""
     found = counts(crowded(12).draw().scene)

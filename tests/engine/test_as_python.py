@@ -31,7 +31,7 @@ from hybond.engine.tables import tables_of
 
 SLOW = {
     *("boost", "elevator_actuators", "ratchet", "rimless_wheel", "rope_and_disc", "three_tanks"),
-    *("bouncing_rod", "weirs", "woodpecker"),
+    *("bouncing_rod", "cam_follower", "planar_puck", "weirs", "woodpecker"),
 }
 """Examples that take Python more than a second; they are the library's in a tenth of that."""
 BITS = platform.libc_ver()[0] == "glibc"
@@ -82,8 +82,8 @@ def assert_alike(library: hb.Result, python: hb.Result, *, bits: bool = BITS) ->
     assert_same_states(library, python, 1e-8)
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.usefixtures("native")
-@pytest.mark.sampled(14)
 @pytest.mark.parametrize("name", CASES)
 def test_an_example_runs_as_by_the_library(name: str) -> None:
     library, python = both_of(name)

@@ -122,6 +122,7 @@ def currents(speed: float, start: float, end: float) -> np.ndarray:
     return y
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("speed", "start", "gyrate", "back"),
     [

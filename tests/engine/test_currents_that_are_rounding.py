@@ -24,6 +24,7 @@ def on_a_bridge(name: str) -> hb.Result:
     return hb.simulate(m, until="5 ms", rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_machine_in_the_axes_of_its_rotor_feeds_a_diode_bridge() -> None:
     run = on_a_bridge("electrical.pmsm_park")
     other = on_a_bridge("electrical.pmsm")

@@ -27,6 +27,7 @@ def behind_a_root() -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_an_audit_behind_a_root_looks_at_few_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is left of two speeds that cancel has no digits: that takes no 200 pieces a step."""
     steps = 60

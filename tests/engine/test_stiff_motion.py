@@ -56,6 +56,7 @@ def test_robertson_as_published():
     assert sum(run.final.values()) == pytest.approx(1.0, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_ladder_with_a_switch():
     run = hb.simulate(ladder(), 0.25, solver="auto")
     assert run.turns and run.turns[0].solver == "radau"

@@ -87,6 +87,7 @@ def read(text: str) -> dict[str, float]:
     return found
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.c
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_a_program_in_c_makes_the_same_steps(tmp_path: Path, theta: float) -> None:

@@ -33,7 +33,7 @@ SURGE = {
 
 
 @needs_c
-@pytest.mark.sampled(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SURGE)
 def test_a_program_goes_through_zero_where_a_law_is_steep(name, tmp_path):
     domain, storage, law, *bonds = SURGE[name]

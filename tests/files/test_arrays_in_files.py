@@ -113,6 +113,7 @@ def test_names_of_members_become_identifiers_that_differ(model: hb.Model) -> Non
     assert "constant Real n = 3" in text  # a tool must not offer to change it
 
 
+@pytest.mark.slow
 def test_members_of_an_array_stand_in_a_row() -> None:
     two = hb.loads(TEXT.replace("n = 3", "n = 2").replace(', "3 V"]', "]"))
     parts = {g.key for g in two.draw(schematic=True).scene.groups if g.name == "part"}

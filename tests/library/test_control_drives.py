@@ -65,6 +65,7 @@ def test_decoupled_currents_follow_by_an_exponential() -> None:
         assert found == pytest.approx([-2 * part, 6 * part], rel=1e-6), t
 
 
+@pytest.mark.slow
 def test_a_voltage_that_does_not_suffice_keeps_its_direction_and_does_not_wind_up() -> None:
     r, l_d, l_q, psi, w, tracking, top = 0.5, 2e-3, 4e-3, 0.1, 200.0, 1e-3, 24.5
 

@@ -78,6 +78,7 @@ def test_every_domain_of_a_port_has_a_mate() -> None:
     assert set(OHMS) == set(MATES)
 
 
+@pytest.mark.slow
 @listed("name", hb.library.names())
 def test_every_port_of_a_part_bonds_to_a_mate(name: str) -> None:
     """What passes is what the mate's law says, in the domain of the page.

@@ -303,6 +303,7 @@ def test_by_touch_on_a_telephone(serve: Callable[[str], str], tmp_path: Path) ->
         driver.quit()
 
 
+@pytest.mark.slow
 def test_the_rod_falls_through_its_two_mythical_modes(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:
@@ -497,6 +498,7 @@ def test_axe_finds_nothing_serious_in_a_schematic(
     assert with_axe(desk)() == []
 
 
+@pytest.mark.slow
 def test_axe_finds_nothing_serious_in_light_and_dark(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:

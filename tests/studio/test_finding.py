@@ -59,6 +59,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], Page
         session.close()
 
 
+@pytest.mark.slow
 def test_a_name_is_found_by_some_letters(page: Any) -> None:
     from selenium.webdriver.common.keys import Keys
 

@@ -67,6 +67,7 @@ def test_each_value_goes_on_from_the_one_before() -> None:
             i = orbit[11]
 
 
+@pytest.mark.slow
 def test_windows_end_where_the_map_says() -> None:
     # of a map with slopes A and -b: period 1 to b = 1; period n, n > 1, from
     # b = (1 + A + ... + A^(n-2))/A^(n-2) to b = 1/A^(n-1) (Nusse and Yorke, 1995)

@@ -127,6 +127,7 @@ def block(mu: float, theta: float, half: float = 0.25, high: float = 0.75) -> hb
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("mu", [1.0, 1.5, 2.0, 4.0])
 def test_a_rocking_block_lands_on_its_other_corner_however_rough_the_floor(mu: float) -> None:
     """Once the corners hold: the impact is the projection on turning about the other corner."""

@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))
 from order_of_steps import PROBLEMS, G, errors, stepped
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_the_order_of_a_step_is_that_of_closed_forms(name: str, theta: float) -> None:
@@ -71,6 +72,7 @@ def test_snubbers_do_not_let_a_current_grow_without_a_bound(case: tuple) -> None
                 assert np.abs(found - right).mean() < 0.03 * np.abs(right).max()
 
 
+@pytest.mark.slow
 def test_a_current_that_grows_all_the_same_is_told_by_the_audit(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
