@@ -20,7 +20,6 @@ from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.implicit.from_edges import (
     STALLS,
     leaves_edge,
-    put_left,
     stages_from_edge,
 )
 from hybond.engine.methods.implicit.radau_factors import factorise
@@ -35,6 +34,7 @@ from hybond.engine.methods.implicit.radau_stages import (
     stage_rates,
 )
 from hybond.engine.methods.implicit.settled_rates import settle_rates
+from hybond.engine.methods.implicit.whole_stages import put_left, take_all
 from hybond.engine.surfaces.values import evaluate
 
 LESSENS: Final = 0.5
@@ -145,6 +145,7 @@ def is_stuck(e: Engine, r: Radau) -> bool:
 def most_left(r: Radau) -> float:
     """Return the most that is left of the equations of a stage, over a step, in tolerances."""
     n = r.n
+    take_all(r)
     put_left(r, r.swung)
     most = 0.0
     for k in range(3 * n):

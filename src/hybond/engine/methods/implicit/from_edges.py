@@ -18,14 +18,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
+from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.lu import lu_solve
 from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import AUTO, EXACT
 from hybond.engine.methods.explicit.one_instant import room_of_instant
-from hybond.engine.methods.implicit.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_slopes import held_by_law
 from hybond.engine.methods.implicit.radau_stages import (
@@ -37,8 +36,8 @@ from hybond.engine.methods.implicit.radau_stages import (
     place_stages,
     rate_at,
     stage_rates,
-    stage_time,
 )
+from hybond.engine.methods.implicit.whole_stages import fit_whole, put_left, solve_whole, take_all
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.mode.digits.sizes import sizes_of
 from hybond.engine.mode.nonlinear.newton_system import is_given
@@ -67,10 +66,6 @@ LEAST_PART: Final = 2.0**-12
 """The smallest part of that, where the next one is longer."""
 DIGITS: Final = 1.4901161193847656e-08
 """Part of a state that it is shifted by for a slope: the root of a unit in the last place."""
-NEAR: Final = 1e-3
-"""Part of what a state has moved by that a slope is a difference over, at most, ..."""
-LAST: Final = 64.0 * 2.220446049250313e-16
-"""... and part of the state, at least."""
 LEVEL: Final = 64.0 * 2.220446049250313e-16
 """What is no farther off an edge, as a part of its terms, is on it."""
 STEEP: Final = 2.0
@@ -164,19 +159,14 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     refusal = e.refusal
     if n == 0 or n > FEW or not fill_stages(e, r):
         return False
-    many = 3 * n
-    fit(r.whole, many * many)
-    fit(r.left_over, many)
-    fit(r.kept, many)
-    fit_places(r.whole_row, many)
+    take_all(r)
+    fit_whole(r)
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
     stalled = 0
     before = 1.0
     for _ in range(CORRECTIONS):
-        put_whole(e, r, rtol, DIGITS)
-        if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
+        if not solve_whole(e, r, rtol, DIGITS):
             return False
-        lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
         part = correct_within(e, r)
         stalled = stalled + 1 if part <= min(before, LOST) else 0
         before = part
@@ -291,66 +281,6 @@ def move_stages(e: Engine, r: Radau, part: float) -> float:
     copy_floats(3 * n, r.kept.at, r.z)
     place_stages(r)
     return 0.0
-
-
-def put_whole(e: Engine, r: Radau, rtol: float, part: float) -> None:
-    """Put the matrix of all stages into ``r.whole``, what is left of them into ``r.left_over``.
-
-    Slopes are over a part of each state. Those of the last stage stay as the Jacobian.
-    """
-    n = r.n
-    many = 3 * n
-    copy_part(n, r.y, 2 * n, r.stage, 0)
-    tolerance(e, r.y0, r.stage, r.other)
-    for k in range(many * many):
-        r.whole.at[k] = 0.0
-    for s in range(3):
-        slopes_of(e, r, s, rtol, part)
-        for i in range(n):
-            row = s * n + i
-            for j in range(3):
-                r.whole.at[row * many + j * n + i] = BUTCHER_INVERSE[3 * s + j] / r.h
-            for j in range(n):
-                r.whole.at[row * many + s * n + j] -= r.jacobian[i * n + j]
-    put_left(r, r.left_over.at)
-
-
-def put_left(r: Radau, out: Floats) -> None:
-    """Put what is left of the equations of all stages there."""
-    n = r.n
-    for s in range(3):
-        for i in range(n):
-            total = r.f[s * n + i]
-            for j in range(3):
-                total -= BUTCHER_INVERSE[3 * s + j] / r.h * r.z[j * n + i]
-            out[s * n + i] = total
-
-
-def slopes_of(e: Engine, r: Radau, s: int, rtol: float, part: float) -> None:
-    """Put the slopes of rates at a stage into the Jacobian, by differences on either side."""
-    n = r.n
-    r.twofold_from = math.inf
-    t = stage_time(r, s)
-    copy_part(n, r.y, s * n, r.shifted, 0)
-    for j in range(n):
-        here = r.shifted[j]
-        delta = part * (math.fabs(here) if here != 0.0 else r.other[j] / rtol)
-        moved = math.fabs(r.z[s * n + j])
-        if moved > 0.0:
-            # an edge that is not at zero is as far as the state has moved from there
-            delta = min(delta, max(NEAR * moved, LAST * math.fabs(here)))
-        found = delta > 0.0
-        if found:
-            r.shifted[j] = here + delta
-            found = rate_at(e, n, t, r.shifted, r.end) == OK
-            if not found:
-                r.shifted[j] = here - delta
-                found = rate_at(e, n, t, r.shifted, r.end) == OK
-        width = r.shifted[j] - here
-        for i in range(n):
-            change = r.end[i] - r.f[s * n + i] if found and width != 0.0 else 0.0
-            r.jacobian[i * n + j] = change / width if change != 0.0 else 0.0
-        r.shifted[j] = here
 
 
 def falls_beyond(e: Engine, r: Radau) -> bool:

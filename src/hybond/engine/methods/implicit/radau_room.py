@@ -122,6 +122,10 @@ class Radau:
     whole: Block
     """All stages as one system, with the rows of its pivots; what is left of them; where they were;
     the correction after the last one."""
+    part: Places
+    parts: int
+    taken: Ints
+    """The states that it is of, and how many; which are among them."""
     whole_row: Places
     left_over: Block
     kept: Block
@@ -215,6 +219,8 @@ def make_radau(n: int) -> Radau:
     r.x_im = floats(n)
     r.number = Complex()
     r.whole = make_block(1)
+    r.part = make_places(n)
+    r.taken = ints(n)
     r.whole_row = make_places(1)
     r.left_over = make_block(1)
     r.kept = make_block(1)

@@ -15,16 +15,21 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
-from hybond.engine.algebra.products import copy_floats
+from hybond.engine.algebra.products import copy_floats, copy_part
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.implicit.from_edges import FEW, end_stages, put_whole
+from hybond.engine.methods.implicit.from_edges import end_stages
 from hybond.engine.methods.implicit.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import place_stages, stage_rates
 from hybond.engine.methods.implicit.rates_in_stages import IN_STAGES
-from hybond.engine.words import Floats
+from hybond.engine.methods.implicit.whole_stages import fit_whole, join, solve_whole
+from hybond.engine.surfaces.values import evaluate
 
+MOST: Final = 160
+"""States of a part up to which its stages are solved for at once."""
+NEARER_EDGE: Final = 0.5
+"""Part of the way to an edge that is to be left at the end of a step."""
 SHORT_PART: Final = 2.0**-36
 """Part of a state that it is shifted by: what drives a flow may be a billionth of it."""
 TRIES: Final = 24
@@ -44,31 +49,29 @@ def settle_rates(e: Engine, r: Radau, rtol: float) -> bool:
     Those at the end of the step, of the stages as they are, are in ``r.end``.
     """
     m = e.model
-    if m.begins == 0 or m.edges > 0 or m.bends > 0.0 or e.slide.k > 0 or r.n > FEW:
+    if m.begins == 0 or m.bends > 0.0 or e.slide.k > 0:
         return False
     n = r.n
     say_what_may(e, r)
-    if not apart_at_stage(e, r, 2, r.end) > 1.0:
+    take_apart(e, r)
+    if r.parts == 0:
+        return False
+    join(r)
+    if r.parts > MOST:
         return False
     refusal = e.refusal
-    if stage_rates(e, r) != OK:
+    if runs_into_edge(e, r) or stage_rates(e, r) != OK:
         e.refusal = refusal
         return False
     before = rates_apart(e, r)
-    many = 3 * n
-    fit(r.whole, many * many)
-    fit(r.left_over, many)
-    fit(r.kept, many)
+    fit_whole(r)
     fit(r.slopes_before, n * n)
-    fit_places(r.whole_row, many)
     copy_floats(n * n, r.jacobian, r.slopes_before.at)
     left = before
     for _ in range(TRIES):
-        copy_floats(many, r.z, r.kept.at)
-        put_whole(e, r, rtol, SHORT_PART)
-        if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
+        copy_floats(3 * n, r.z, r.kept.at)
+        if not solve_whole(e, r, rtol, SHORT_PART):
             break
-        lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
         now = lessened(e, r, left)
         if not now < left:
             break
@@ -85,23 +88,54 @@ def settle_rates(e: Engine, r: Radau, rtol: float) -> bool:
     return True
 
 
+def take_apart(e: Engine, r: Radau) -> None:
+    """Let the part be the storages whose rates at the end are not what they move by."""
+    fit_places(r.part, r.n)
+    r.parts = 0
+    for i in range(e.model.storages):
+        if apart_in_stage(r, 2, i, r.end[i]) > 1.0:
+            r.part.at[r.parts] = i
+            r.parts += 1
+
+
+def runs_into_edge(e: Engine, r: Radau) -> bool:
+    """Whether a step has come much nearer to where a law ends: it ends there by shorter steps."""
+    m = e.model
+    s = e.step
+    if m.edges == 0:
+        return False
+    if evaluate(e, e.mode, e.v, r.t0, r.y0) != OK:
+        return True
+    for k in range(m.edges):
+        s.edge_there[k] = value(m, m.edge_value[k], e.v)
+    copy_part(r.n, r.y, 2 * r.n, r.shifted, 0)
+    if evaluate(e, e.mode, e.v, r.t1, r.shifted) != OK:
+        return True
+    for k in range(m.edges):
+        if value(m, m.edge_value[k], e.v) < NEARER_EDGE * s.edge_there[k]:
+            return True
+    return False
+
+
 def lessened(e: Engine, r: Radau, left: float) -> float:
     """Correct the stages by ``r.left_over``, or a part that lessens what is left; return that.
 
     Where none does they are what they were.
     """
-    many = 3 * r.n
+    n = r.n
     part = 1.0
     while part >= LEAST:
-        for k in range(many):
-            r.z[k] = r.kept.at[k] + part * r.left_over.at[k]
+        for s in range(3):
+            for a in range(r.parts):
+                k = s * n + r.part.at[a]
+                r.z[k] = r.kept.at[k] + part * r.left_over.at[s * r.parts + a]
         place_stages(r)
         if stage_rates(e, r) == OK:
             now = rates_apart(e, r)
             if now < left:
                 return now
         part *= 0.5
-    copy_floats(many, r.kept.at, r.z)
+    copy_floats(3 * n, r.kept.at, r.z)
     place_stages(r)
     return left if stage_rates(e, r) == OK else math.inf
 
@@ -130,20 +164,19 @@ def moved_at_stage(r: Radau, s: int, i: int) -> float:
 
 
 def rates_apart(e: Engine, r: Radau) -> float:
-    """Return the most that a rate at a stage is not what states move by, in what it may be."""
+    """Return the most that a rate of the part is not what states move by, in what it may be."""
     most = 0.0
     for s in range(3):
-        for i in range(r.n):
-            r.end[i] = r.f[s * r.n + i]
-        most = max(most, apart_at_stage(e, r, s, r.end))
+        for a in range(r.parts):
+            i = r.part.at[a]
+            if i < e.model.storages:
+                most = max(most, apart_in_stage(r, s, i, r.f[s * r.n + i]))
     return most
 
 
-def apart_at_stage(e: Engine, r: Radau, s: int, rate: Floats) -> float:
-    """Return the most that rates are not what states move by at a stage, in what they may be."""
-    most = 0.0
-    for i in range(e.model.storages):
-        off = math.fabs(r.h * rate[i] - moved_at_stage(r, s, i))
-        if off > 0.0:
-            most = max(most, off / r.swung[i] if r.swung[i] > 0.0 else math.inf)
-    return most
+def apart_in_stage(r: Radau, s: int, i: int, rate: float) -> float:
+    """Return how much a rate is not what a state moves by at a stage, in what it may be."""
+    off = math.fabs(r.h * rate - moved_at_stage(r, s, i))
+    if off == 0.0:
+        return 0.0
+    return off / r.swung[i] if r.swung[i] > 0.0 else math.inf
