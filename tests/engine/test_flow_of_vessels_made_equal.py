@@ -108,3 +108,72 @@ def test_a_flow_that_turns_round_is_right_on_either_side() -> None:
         half, rate = 5e-3 * math.cos(10 * t), -5e-2 * math.sin(10 * t)
         wanted = half - C * K * abs(half) * rate
         assert run["r.f"].at(t) == pytest.approx(wanted, abs=2e-5)
+
+
+def beside(many: int) -> hb.Model:
+    """Return the tanks beside so many others, which each empty into a leak of their own."""
+    m = tanks("K*f*abs(f)", 1e3)
+    for i in range(many):
+        m.add({f"x{i}": hb.C(1.0, e=1.0), f"y{i}": hb.R(1.0), f"w{i}": hb.Zero()})
+        m.bond(f"w{i} -> x{i}", f"w{i} -> y{i}")
+    return m
+
+
+@pytest.mark.parametrize("solver", ["radau", "auto"])
+def test_it_is_so_beside_seventy_others(solver: str) -> None:
+    """It was off by its own size and 14 times that: of more than 64 states nothing was found."""
+    held(hb.simulate(beside(70), AT[-1], solver=solver), "r.f", 2, 1e3)
+
+
+@pytest.mark.parametrize("solver", ["radau", "auto"])
+def test_it_is_so_beside_a_tank_that_runs_empty(solver: str) -> None:
+    """Its outlet ends at zero, at 0.45 s: all took 3 million steps."""
+    m = tanks("K*f*abs(f)", 1e3)
+    m.add(x=hb.C(1e-2, e=5.0), y=hb.R({"f": "0.1*sqrt(e)"}), w=hb.Zero())
+    m.bond("w -> x", "w -> y")
+    run = hb.simulate(m, AT[-1], solver=solver)
+    held(run, "r.f", 2, 1e3)
+    assert run["x.e"].at(0.3) == pytest.approx((math.sqrt(5.0) - 0.1 / 2e-2 * 0.3) ** 2, rel=1e-5)
+    assert run["x.e"].at(AT[-1]) == pytest.approx(0.0, abs=1e-12)
+    assert run.stats["steps"] < 400
+
+
+def row(many: int, pipe: str, leak: str) -> hb.Model:
+    """Return tanks in a row, of which the last one leaks."""
+    m = hb.Model("row", parameters={"K": K})
+    m.add(g=hb.R({"f": leak}))
+    for i in range(many):
+        m.add({f"c{i}": hb.C(C, e=1e3 if i == 0 else 5e2), f"n{i}": hb.Zero()})
+        m.bond(f"n{i} -> c{i}")
+    for i in range(1, many):
+        m.add({f"j{i}": hb.One(), f"r{i}": hb.R({"e": pipe})})
+        m.bond(f"n{i - 1} -> j{i} -> n{i}", f"j{i} -> r{i}")
+    m.bond(f"n{many - 1} -> g")
+    return m
+
+
+@pytest.mark.parametrize("leak", ["2.2e-3*e", "1e-2*sqrt(e)"])
+def test_tanks_in_a_row_give_alike_to_what_the_last_one_leaks(leak: str) -> None:
+    """Levels are one but for 1e-5 of them: each tank gives the same part."""
+    many = 8
+    run = hb.simulate(row(many, "K*f*abs(f)", leak), 0.5, solver="radau")
+    ends = run.segments[-1].t
+    ends = ends[ends > 0.05]
+    assert len(ends) >= 3
+    for i in range(1, many):
+        meant = run["g.f"].at(ends) * i / many
+        assert run[f"r{i}.f"].at(ends) == pytest.approx(meant, rel=1.5e-3)
+
+
+def test_a_flow_that_is_rounding_is_said_to_be_none() -> None:
+    """All that drives it is the last digits of two levels: nobody can say it from them."""
+    run = hb.simulate(tanks("K*f*abs(f)", 1e3), AT[-1], solver="radau", parameters={"K": 1e-6 * K})
+    times = np.linspace(0.3, AT[-1], 60)
+    meant = LEAK * 500.0 * np.exp(-LEAK * times / (2.0 * C)) / 2.0
+    assert np.abs(run["r.f"].at(times) - meant).max() > 0.05 * meant.min(), "it is no test"
+    (said,) = [w for w in run.warnings if "is not what fills it" in w]
+    assert "the flow of a.q" in said or "the flow of b.q" in said
+
+
+def test_nothing_is_said_where_it_is_right() -> None:
+    assert not hb.simulate(beside(3), AT[-1], solver="radau").warnings

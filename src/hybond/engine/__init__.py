@@ -203,6 +203,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         step_event, step_shown, step_records    what is written and shown
     checks/
         laws_held, another, guards_held    put back into themselves
+        rates_apart         flows that are not what storages were moved by
         bounds_held, energy_held    values that outgrow all bounds; energy that comes from nowhere
         shown, check_records    as read from outside; what was found
     looking/

@@ -108,6 +108,15 @@ class Checks:
     strayed_state: Ints
     beside: Floats
     rate: Floats
+    apart_for: Floats
+    """Of each storage: how long its rate was shown as another than it moved by, s; since when, the
+    most of it, when that was, and what it moved by then."""
+    apart_since: Floats
+    most_apart: Floats
+    most_at: Floats
+    apart_from: Floats
+    was_apart: Ints
+    """Whether it was so at the end of the last step."""
     shown_at: float
     """When values were last looked at."""
 
@@ -157,6 +166,12 @@ def make_checks(m: Model) -> Checks:
     c.beside = floats(m.storages + m.integrals)
     c.rate = floats(m.storages + m.integrals)
     c.shown_at = -1.0
+    c.apart_for = floats(m.storages)
+    c.apart_since = floats(m.storages)
+    c.most_apart = floats(m.storages)
+    c.most_at = floats(m.storages)
+    c.apart_from = floats(m.storages)
+    c.was_apart = ints(m.storages)
     c.strayed = math.inf
     c.strayed_state = ints(m.machines)
     return c

@@ -22,7 +22,7 @@ NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
-GUARD_AT_REST, UNRESOLVED, ROOT, ANOTHER = 22, 23, 24, 25
+GUARD_AT_REST, UNRESOLVED, ROOT, ANOTHER, RATES_APART = 22, 23, 24, 25, 26
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -249,6 +249,8 @@ class Warnings:
             return self._of_course(t, *numbers)
         if kind == SWINGS:
             return self._of_swings(now, numbers[0], *about[1:])
+        if kind == RATES_APART:
+            return self._of_rates_apart(now, numbers[0], *about[1:])
         if kind == GUARD_AT_REST:
             return self._of_rest(now, numbers[0], numbers[1] != 0, *about[2:])
         if kind == UNRESOLVED:
@@ -268,6 +270,21 @@ class Warnings:
             f"of what it reads: what {found.path} stores is within that, but its {rate} is off by "
             f"{off:.2g} (of {size:.2g} at most), and so is what the law says; a smaller rtol makes "
             "it less, a larger C or I beside that law ends it"
+        )
+
+    def _of_rates_apart(
+        self, now: str, storage: int, lasts: float, most: float, moves: float, at: float
+    ) -> str:
+        """Say which flow is not what has moved a storage, by how much, and what serves."""
+        found = self.graph.storages[storage]
+        rate = "flow" if found.kind == "C" else "effort"
+        return (
+            f"from {now[3:]} on, for {lasts:.3g} s, the {rate} of {found.path} is not what fills "
+            f"it, and so is what laws beside it say: by up to {most:.2g} at t = {at:.6g} s, where "
+            f"{moves:.3g} fills it. What drives it is a difference far below the tolerance of what "
+            f"is stored, or rounding of it, and a law that is steep there makes much of that; "
+            f"what {found.path} stores is right. A linear part beside that law, as r*f beside "
+            "k*f*abs(f), ends it"
         )
 
     def _of_another(

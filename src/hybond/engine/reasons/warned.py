@@ -82,6 +82,10 @@ ANOTHER: Final = 25
 """Laws have another solution than the one taken. Numbers: why it is said, an element, a bond
 variable, what that is and what it might be; said once of each kind of why."""
 
+RATES_APART: Final = 26
+"""The rate of a storage is not what it moved by. Numbers: the storage, for how long, the most that
+it was apart, what it moved by then, and when; said once, at the end."""
+
 
 @record
 class Warned:

@@ -119,6 +119,9 @@ class Step:
     """What the step has stored beyond what its rates bring, J; see `defects`."""
     apart: float
     """What it has by how it moves at its end, beyond what is shown there, J."""
+    moves: Floats
+    rates_known: bool
+    """The rates by which the stages of an implicit step lead on at its end, if it was one."""
 
 
 def make_step(n: int, kinks: int, edges: int) -> Step:
@@ -159,6 +162,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.level0 = floats(n)
     s.level1 = floats(n)
     s.level_at = floats(n)
+    s.moves = floats(n)
     for k in range(n):
         s.level_at[k] = math.nan
     return s

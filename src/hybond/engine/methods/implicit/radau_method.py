@@ -155,13 +155,15 @@ def count_apart(e: Engine, r: Radau) -> None:
     end_levels(e)
     s.defect = 0.0
     s.apart = 0.0
+    s.rates_known = e.slide.k == 0
     for k in range(e.model.storages):
-        moved = c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k]
-        if s.left_edge:
-            # there the curve between the ends is led without a turn: stages say how it ends
-            moved = 0.0
-            for j in range(3):
-                moved += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
+        led = 0.0
+        for j in range(3):
+            led += BUTCHER_INVERSE[6 + j] * r.z[j * n + k]
+        s.moves[k] = led / r.h
+        # where an edge was left the curve between the ends is led without a turn: stages say how
+        # it ends
+        moved = led if s.left_edge else c[k] + 2.0 * c[n + k] + 3.0 * c[2 * n + k]
         apart_at_end(e, k, moved)
     if e.model.tells != 0 and r.swings and not e.warned.swings and not swings_about_jump(e, r):
         warn_of_swings(e)

@@ -29,7 +29,7 @@ from hybond.engine.surfaces.values import evaluate
 MOST: Final = 160
 """States of a part up to which its stages are solved for at once."""
 NEARER_EDGE: Final = 0.5
-"""Part of the way to an edge that is to be left at the end of a step."""
+"""Part of the longer way to an edge that the shorter one, at the other end of a step, is to be."""
 SHORT_PART: Final = 2.0**-36
 """Part of a state that it is shifted by: what drives a flow may be a billionth of it."""
 TRIES: Final = 24
@@ -60,7 +60,7 @@ def settle_rates(e: Engine, r: Radau, rtol: float) -> bool:
     if r.parts > MOST:
         return False
     refusal = e.refusal
-    if runs_into_edge(e, r) or stage_rates(e, r) != OK:
+    if is_beside_edge(e, r) or stage_rates(e, r) != OK:
         e.refusal = refusal
         return False
     before = rates_apart(e, r)
@@ -83,8 +83,9 @@ def settle_rates(e: Engine, r: Radau, rtol: float) -> bool:
         copy_floats(n * n, r.slopes_before.at, r.jacobian)
         return False
     end_stages(r)
-    # what is left may still be more than a flow may be off by
-    r.swings = left > 1.0
+    # what is left may still be more than a flow may be off by; beside where laws end, what is left
+    # of a tank that stands all but empty is no matter
+    r.swings = left > 1.0 and m.edges == 0
     return True
 
 
@@ -98,8 +99,8 @@ def take_apart(e: Engine, r: Radau) -> None:
             r.parts += 1
 
 
-def runs_into_edge(e: Engine, r: Radau) -> bool:
-    """Whether a step has come much nearer to where a law ends: it ends there by shorter steps."""
+def is_beside_edge(e: Engine, r: Radau) -> bool:
+    """Whether a step comes much nearer to where a law ends, or from there: both have their ways."""
     m = e.model
     s = e.step
     if m.edges == 0:
@@ -112,7 +113,8 @@ def runs_into_edge(e: Engine, r: Radau) -> bool:
     if evaluate(e, e.mode, e.v, r.t1, r.shifted) != OK:
         return True
     for k in range(m.edges):
-        if value(m, m.edge_value[k], e.v) < NEARER_EDGE * s.edge_there[k]:
+        there = value(m, m.edge_value[k], e.v)
+        if min(there, s.edge_there[k]) < NEARER_EDGE * max(there, s.edge_there[k]):
             return True
     return False
 

@@ -45,6 +45,7 @@ def begin_levels(e: Engine) -> None:
         same = same and s.level_at[k] == s.y0[k]
     s.defect = 0.0
     s.apart = 0.0
+    s.rates_known = False
     if same:
         for k in range(e.model.storages):
             s.level0[k] = s.level1[k]
