@@ -200,7 +200,7 @@ def _machines(graph: FlatGraph) -> None:
         modes = math.prod(len(m.states) for m in graph.machines)
         short = any(f for m in graph.machines for f in m.fieldless)
         more = "; a fieldless state lasts an instant only" if short else ""
-        say(f"  {modes} modes (* start{more})")
+        say(f"  {modes} {plural('mode', modes)} (* start{more})")
 
 
 def _findings(graph: FlatGraph, causality: Causality) -> list[str]:

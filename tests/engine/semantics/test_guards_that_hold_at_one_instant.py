@@ -23,6 +23,8 @@ AT_ZERO = [
     "hypot({x}, 2*{x}) <= 0",
     "{x} <= 0 and {x} >= 0",
     "0 >= 3*abs({x})",
+    "2*abs({x}) + abs({x}) <= 0",
+    "abs({x})/2 + {x}^2 <= 0",
     "abs({x}) <= 0 and {y} > 0",
 ]
 BELOW_ZERO = [

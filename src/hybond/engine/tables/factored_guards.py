@@ -190,6 +190,10 @@ def _is_magnitude(e: Expr) -> bool:
             return _is_magnitude(e.left) and _is_magnitude(e.right)
         case Binary("*", left, right):
             return left == right or (_is_magnitude(left) and _is_magnitude(right))
+        case Binary("/", left, right):
+            return _is_magnitude(left) and isinstance(right, Number) and _is_magnitude(right)
+        case Number():
+            return _is_known(e) and e.value > 0.0
     return False
 
 
