@@ -26,21 +26,17 @@ from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import field
 from hybond.engine.words import float_table
 
-DOUBTED: Final = 0.1
+DOUBTED: Final = 0.25
 """Error of a step, 1 being what it may be, from which on several times that were too much."""
-SCATTERS: Final = 0.01
+SCATTERS: Final = 0.05
 """Part of how far the rates of a step are apart by which stages are off its motion, ..."""
 WEIGHTY: Final = 10.0
 """... and times the energy that it may be off by: where less, the step is short enough."""
 BRIEF: Final = 1e-9
 """Part of the run below which a step is no shorter for that: the rest is rounding."""
-PLACES: Final = 4
-GAUSS_PLACE: Final = float_table(
-    0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263
-)
-GAUSS_WEIGHT: Final = float_table(
-    0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693
-)
+PLACES: Final = 3
+GAUSS_PLACE: Final = float_table(0.1127016653792583, 0.5, 0.8872983346207417)
+GAUSS_WEIGHT: Final = float_table(5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0)
 
 
 def scattered_at_end(e: Engine, t1: float, error: float) -> float:
