@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import hybond as hb
+from hybond.model.parts import Part
 
 PRESSURE, INERTANCE, LOSS, K, LAMINAR = 5e6, 1e7, 1e7, 3.3e-7, 1e6
 OPENING = "1 - time/(0.1 [s])"
@@ -123,6 +124,7 @@ def test_an_input_that_closes_at_once_stops_the_flow_by_an_impulse(form: str) ->
     run = hb.simulate(closing(form, step=True), 0.2)
     event = run.events[-1].steps[-1]
     p = run["inertia.p"].at(0.1 - 1e-9)
+    assert event.energy is not None
     assert event.energy.lost == pytest.approx(p**2 / (2 * INERTANCE), rel=1e-6)
     assert run["inertia.f"].at(0.15) == 0.0
 
@@ -151,7 +153,7 @@ def test_a_compliance_takes_what_a_closed_valve_does_not() -> None:
 @pytest.mark.parametrize(
     "law", [hb.R("a*(5 [ohm])"), hb.R({"e": "a*(5 [ohm])*f"}), hb.G("0.2 [S]/a")]
 )
-def test_what_shorts_a_capacitor_is_told_so(law: object) -> None:
+def test_what_shorts_a_capacitor_is_told_so(law: Part) -> None:
     m = hb.Model("short", domain="electrical")
     m.add(V=hb.Se("10 V"), Ri=hb.R("1 ohm"), C=hb.C("1 mF"), j=hb.One(), z=hb.Zero(), r=law)
     m.signal(a="max(0, 1 - time/(0.1 [s]))")

@@ -20,7 +20,6 @@ from typing import Final
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.dopri import STAGE_AT, weigh
-from hybond.engine.methods.implicit.hidden_peaks import is_beyond_kink
 from hybond.engine.methods.tolerances.defects import end_levels
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import field
@@ -109,17 +108,13 @@ def scatters(e: Engine, h: float, may: float) -> bool:
 def left_open(e: Engine, h: float) -> float:
     """Return what the motion of a step stores less than rates bring along it, J.
 
-    Infinite if that is not known: where a law has a kink on the way, the step is to end there.
+    Infinite if that is not known. A kink on the way is no excuse: behind it the step is no longer.
     """
     s = e.step
     m = e.model
     n = e.states
     w = s.motion
     total = 0.0
-    if m.kinks > 0:
-        if field(e, e.mode, s.t0, s.y0, s.peak_rate) != OK:
-            return math.inf
-        is_beyond_kink(e, True)
     for i in range(PLACES):
         x = GAUSS_PLACE[i]
         for k in range(n):
@@ -127,7 +122,7 @@ def left_open(e: Engine, h: float) -> float:
             s.peak_y[k] = s.y0[k] + x * (w[k] + x * bent)
         if field(e, e.mode, s.t0 + x * h, s.peak_y, s.peak_rate) != OK:
             return math.inf
-        if not all_finite(n, s.peak_rate) or is_beyond_kink(e, False):
+        if not all_finite(n, s.peak_rate):
             return math.inf
         for k in range(m.storages):
             if m.storage_pseudo[k] == 0:
