@@ -32,6 +32,7 @@ FLAT_THERE: Final = -1
 STEEP_THERE: Final = 0
 SLOPES_THERE: Final = 1
 
+
 def solved_sizes(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
     """Put the sizes of the free unknowns into `mode.free_size`, once for the same bond variables.
 
