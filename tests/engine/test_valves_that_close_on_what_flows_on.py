@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import hybond as hb
+from hybond.model.parts import Part
 
 PRESSURE, INERTANCE, LOSS, K, LAMINAR = 5e6, 1e7, 1e7, 3.3e-7, 1e6
 OPENING = "1 - time/(0.1 [s])"
@@ -78,3 +79,85 @@ def test_laws_that_nothing_multiplies_are_not_said_to_be_valves() -> None:
     with pytest.raises(hb.HybondError, match="HB-N301") as refused:
         hb.simulate(m, 1)
     assert "multiplies" not in str(refused.value)
+
+
+FORMS = {
+    "flow": hb.R({"f": f"opening*{LAW}"}),
+    "conductance": hb.G("1e-9*opening"),
+    "effort": hb.R({"e": f"f*abs(f)/{K}^2/opening^2"}),
+    "resistance": hb.R("1e9/opening"),
+}
+
+
+def closing(form: str, *, turned: bool = False, step: bool = False) -> hb.Model:
+    """A line with inertia behind a valve in one of the forms that its law may have."""
+    m = hb.Model("line")
+    m.add(source=hb.Se(PRESSURE), inertia=hb.I(INERTANCE), flow=hb.One(), port=hb.Zero())
+    m.add(valve=FORMS[form])
+    m.input(opening=hb.Input(table=[[0, 1], [0.1, 0]], linear=not step))
+    m.bond("source -> flow -> inertia", *(("port -> flow",) if turned else ("flow -> port",)))
+    m.bond("port -> valve")
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("solver", ["auto", "rk45"])
+@pytest.mark.parametrize("form", list(FORMS))
+def test_every_form_is_told_the_two_elements_and_what_serves(
+    form: str, solver: str, turned: bool
+) -> None:
+    """A law of efforts was told of a division by zero, and explicit steps of too small ones."""
+    with pytest.raises(hb.HybondError) as refused:
+        hb.simulate(closing(form, turned=turned), 0.2, solver=solver)
+    assert refused.value.code in ("HB-N201", "HB-N301", "HB-N302")
+    said = str(refused.value)
+    does = "divides" if form in ("effort", "resistance") else "multiplies"
+    assert f"what {does} the law of valve goes to zero" in said
+    assert "what flows on (inertia)" in said
+    assert "a leak (a G) beside it or a compliance (a C) between it and inertia" in said
+    assert ("give it as f = ..." in said) == (does == "divides")
+
+
+@pytest.mark.parametrize("form", ["flow", "conductance"])
+def test_an_input_that_closes_at_once_stops_the_flow_by_an_impulse(form: str) -> None:
+    """A conductance of zero is a constraint: what is stored goes, and the event says so."""
+    run = hb.simulate(closing(form, step=True), 0.2)
+    event = run.events[-1].steps[-1]
+    p = run["inertia.p"].at(0.1 - 1e-9)
+    assert event.energy is not None
+    assert event.energy.lost == pytest.approx(p**2 / (2 * INERTANCE), rel=1e-6)
+    assert run["inertia.f"].at(0.15) == 0.0
+
+
+@pytest.mark.parametrize("form", ["effort", "resistance"])
+def test_a_law_of_efforts_that_closes_at_once_is_told_to_be_turned_round(form: str) -> None:
+    with pytest.raises(hb.HybondError, match=r"HB-N302[^;]*; .*give it as f = \.\.\."):
+        hb.simulate(closing(form, step=True), 0.2)
+
+
+def test_a_compliance_takes_what_a_closed_valve_does_not() -> None:
+    m = closing("flow")
+    m.add(hose=hb.C(1e-12))
+    m.bond("port -> hose")
+    run = hb.simulate(m, 0.2)
+    assert run["valve.f"].at(0.15) == 0.0
+    # from then on the line and the hose swing with what they have
+    flow, pressure = run["inertia.f"].at(0.15), run["hose.e"].at(0.15) - PRESSURE
+    size = math.hypot(flow * math.sqrt(INERTANCE), pressure * math.sqrt(1e-12))
+    flow, pressure = run["inertia.f"].at(0.2), run["hose.e"].at(0.2) - PRESSURE
+    assert math.hypot(flow * math.sqrt(INERTANCE), pressure * math.sqrt(1e-12)) == pytest.approx(
+        size, rel=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    "law", [hb.R("a*(5 [ohm])"), hb.R({"e": "a*(5 [ohm])*f"}), hb.G("0.2 [S]/a")]
+)
+def test_what_shorts_a_capacitor_is_told_so(law: Part) -> None:
+    m = hb.Model("short", domain="electrical")
+    m.add(V=hb.Se("10 V"), Ri=hb.R("1 ohm"), C=hb.C("1 mF"), j=hb.One(), z=hb.Zero(), r=law)
+    m.signal(a="max(0, 1 - time/(0.1 [s]))")
+    m.bond("V -> j -> Ri", "j -> z -> C", "z -> r")
+    with pytest.raises(hb.HybondError, match=r"shorts what is charged \(C\)") as refused:
+        hb.simulate(m, 0.2)
+    assert "a resistance in series with it or an inertia (an I)" in str(refused.value)

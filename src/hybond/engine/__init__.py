@@ -107,6 +107,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     methods/
         stepping            one step of the method asked for
         control, off_kinks  steps that the error controls; those that begin on a kink
+        scattered           steps whose stages are far from the motion that comes of them
         tolerances/
             scale, signal_sizes, lately    of what is stored and what is integrated
             moment_later    values kept while those of a moment later are looked at

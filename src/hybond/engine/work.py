@@ -221,6 +221,9 @@ class Work:
     left_gap: Block
     left_area: Block
     free_seen: Block
+    nearest: Block
+    farthest: Block
+    between: Block
     co_energy: Block
     """What laws of storages give before a difference is taken."""
     extents: Block
@@ -372,6 +375,9 @@ def make_work(m: Model) -> Work:
     w.left_gap = make_block(1)
     w.left_area = make_block(1)
     w.free_seen = make_block(1)
+    w.nearest = make_block(1)
+    w.farthest = make_block(1)
+    w.between = make_block(1)
     w.co_energy = make_block(1)
     w.extents = make_block(1)
     w.column_size = make_block(1)

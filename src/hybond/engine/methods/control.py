@@ -40,6 +40,7 @@ from hybond.engine.methods.linear.flow import take_flow
 from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.methods.linear.graded import exchanges_fast
 from hybond.engine.methods.linear.propagate import even_length
+from hybond.engine.methods.scattered import scattered_at_end
 from hybond.engine.methods.tolerances.onset import foresee_onset
 from hybond.engine.methods.tolerances.scale import (
     CREEPS,
@@ -209,6 +210,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
         if error <= 1.0 and not is_propagated(e):
             error = max(error, strayed(e, s.t0, s.y0, t1, s.y1))
             error = hidden_at_end(e, t1, error)
+            error = scattered_at_end(e, t1, error)
         s.tried = 0.0
         if error <= 1.0 or (error == error and is_one_kink(e, s.t0, s.y0, t1, s.y1)):
             break

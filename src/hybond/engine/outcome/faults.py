@@ -11,7 +11,7 @@ from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.outcome.ever_faster import said_of_many
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
-from hybond.engine.outcome.refusals import Said, said_of
+from hybond.engine.outcome.refusals import NO_VALUE, Said, said_of
 from hybond.engine.outcome.starts import storage_at_start
 from hybond.errors import (
     CausalityError,
@@ -56,7 +56,7 @@ HINTS = {
     "HB-N203": "look for what drives it there: a negative resistance (hybond check names it), a "
     "law that grows like exp() or sinh() under a flow that is given, or a state that nothing holds",
     "HB-N301": "look whether these laws can give what is asked of them; check them for jumps",
-    "HB-N302": "look for a division by zero, a root of a negative number or a table that ends",
+    "HB-N302": NO_VALUE,
     "HB-N303": "a controlled source opposes them, or storage is missing where one is closed",
     "HB-N304": "check the laws of storage and of sources for jumps or flat parts",
     "HB-N305": "look for a division by zero or a root of a negative number",

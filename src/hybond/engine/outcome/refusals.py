@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from hybond.causality.record import Conflict
 from hybond.engine.compiled.refusal import Refusal
+from hybond.engine.outcome.closing import against_closing, against_stopping
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.sides import machine_instead
 from hybond.equations.calculus import localised, reads_bonds
@@ -22,6 +23,7 @@ NO_ELEMENT, OVERFLOW = -1, -2
 """In place of an element: as in `hybond.engine.reasons.facts`."""
 TIMES = 100
 """Instants in a row without any change that end a run."""
+NO_VALUE = "look for a division by zero, a root of a negative number or a table that ends"
 TO_SLIDE = (
     "where sign(), or if/else, should hold what it switches: a junction with "
     "law = 'coulomb' or 'relay', or a machine with a controlled junction, which slides"
@@ -221,20 +223,21 @@ def _too_small(c: Case) -> Said:
     path = c.component(int(k)) if k >= 0 else ""
     blame = f"; {path} dominates the error" if path else ""
     why = f"step size underflow {c.now}: h = {h:.3g} s is still too large{blame}"
+    closing = against_stopping(c.graph, path.rpartition(".")[0])
     called = [i.path for i in c.graph.inputs if isinstance(i.waveform, Called)]
     if not settles and called:
         hint = "look for a state that grows without bound or a law with a jump inside; give "
         hint += f"`breaks` to {', '.join(called)}, of which only values are known, where it jumps"
         return Said(why, path or c.here, hint)
     if not settles:
-        return Said(why, path or c.here)
+        return Said(why, path or c.here, closing)
     # a step is no shorter than ten last places of the time
     hint = (
         f"{path} settles within {settles[0]:.1g} s, but numbers of the time are {0.1 * h:.1g} s "
         "apart there: leave out what is so small, the storage, or what resists its change (without "
         "that it jumps); or let this happen sooner: nearer to t = 0 time is told apart more finely"
     )
-    return Said(why, path, hint)
+    return Said(why, path, f"{closing}; else {hint}" if closing else hint)
 
 
 def _no_rate(c: Case) -> Said:
@@ -258,7 +261,7 @@ def _no_solution(c: Case) -> Said:
         return Said(f"{why}(t = {c.refusal.t:.9g} s)", c.graph.mode_text(mode), hint)
     names = c.paths(elements)
     why = f"the laws of {names} have no common solution that was found (t = {c.refusal.t:.9g} s)"
-    hint = against_no_solution([c.graph.nodes[k] for k in elements])
+    hint = against_no_solution(c.graph, [c.graph.nodes[k] for k in elements])
     return Said(why, c.graph.mode_text(mode), hint)
 
 
@@ -287,7 +290,9 @@ def _no_value(c: Case) -> Said:
     if element == NO_ELEMENT:
         return Said(f"the law of a constraint's derivative {what} {c.now}", here)
     node = c.graph.nodes[int(element)]
-    return Said(f"the law of {node.kind} {node.path} {what} {c.now}", node.path)
+    why = f"the law of {node.kind} {node.path} {what} {c.now}"
+    closing = "" if math.isfinite(value) else against_closing(c.graph, [node])
+    return Said(why, node.path, f"{NO_VALUE}; {closing}" if closing else "")
 
 
 def _no_jump(c: Case) -> Said:

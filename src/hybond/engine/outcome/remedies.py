@@ -6,11 +6,10 @@ from collections.abc import Iterable
 
 from hybond.causality.assign import assign
 from hybond.causality.record import Conflict
+from hybond.engine.outcome.closing import against_closing
 from hybond.model.expressions import (
-    Binary,
     Call,
     Expr,
-    Neg,
     compile_expression,
     meets,
     simplify,
@@ -100,7 +99,7 @@ def against_no_branches(graph: FlatGraph, mode: Mode, laws: Iterable[int]) -> st
     return hint or f"{PAINLEVE}, or a source a resistance"
 
 
-def against_no_solution(elements: list[Node]) -> str:
+def against_no_solution(graph: FlatGraph, elements: list[Node]) -> str:
     """Return what to try where laws of these elements have no common solution.
 
     A law that jumps has no value within its jump; dry friction has. One that ends gives more with a
@@ -109,18 +108,12 @@ def against_no_solution(elements: list[Node]) -> str:
     elements = [n for n in elements if n.kind not in TWO_PORTS] or elements
     stepped = [n for n in elements if n.law is not None and any(map(_steps, n.law.expressions))]
     if not stepped:
-        fading = [n.path for n in elements if _may_fade(n)]
         hint = (
             f"look whether these laws can give what is asked of them; {resistors(elements)}, "
             "which gives what they cannot"
         )
-        if fading:
-            hint += (
-                f"; if what multiplies the law of {' or '.join(fading[:MANY])} goes to zero, as "
-                "the opening of a valve that closes on what flows on, let it keep a little, as "
-                "max(1e-4, ...) does, or let a machine switch its junction OFF a little before"
-            )
-        return hint
+        closing = against_closing(graph, elements)
+        return f"{hint}; {closing}" if closing else hint
     path = " and ".join(n.path for n in stepped[:MANY])
     kinds = sorted({"1" if n.law is not None and n.law.output == "e" else "0" for n in stepped})
     where = " or ".join(f"{k}-junction" for k in kinds)
@@ -131,27 +124,6 @@ def against_no_solution(elements: list[Node]) -> str:
         f"{where} with law = 'coulomb' has these values; else write the steep line, such as "
         f"tanh(){more}"
     )
-
-
-def _may_fade(node: Node) -> bool:
-    """Whether something that varies, other than what it reads of its bond, multiplies a law."""
-    if node.law is None or len(node.law.expressions) != 1:
-        return False
-    own = {"law:e", "law:f"}
-    return any(
-        names(factor) and not own & names(factor) for factor in _factors(node.law.expressions[0])
-    )
-
-
-def _factors(e: Expr) -> list[Expr]:
-    match e:
-        case Binary("*", left, right):
-            return [*_factors(left), *_factors(right)]
-        case Binary("/", left, _):
-            return _factors(left)
-        case Neg(inner):
-            return _factors(inner)
-    return [e]
 
 
 def beside_flat_laws(graph: FlatGraph) -> str:

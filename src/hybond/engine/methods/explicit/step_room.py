@@ -90,6 +90,8 @@ class Step:
     peak_read: Floats
     """Of a step that may hide a peak: a state within it, rates at its end, the cubic between its
     ends, rates within it, and three samples of all bond variables and arguments."""
+    motion: Floats
+    """The coefficients of a step that is tried, as `dense` has those of the last one."""
     hid_until: float  # up to when a step has hidden one, s; nan: none has
     dense: Floats
     scale: Floats
@@ -141,6 +143,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.weight = floats(7)
     s.pace = floats(PACES)
     s.dense = floats(4 * n)
+    s.motion = floats(4 * n)
     s.scale = floats(n)
     s.error = floats(n)
     s.tied = floats(n)

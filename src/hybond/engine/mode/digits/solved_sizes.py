@@ -8,6 +8,7 @@ residual, which is a part of the sizes of its terms.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places, row_size
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
@@ -20,6 +21,16 @@ from hybond.engine.mode.nonlinear.newton_step import CLEAR_PIVOT, least_pivot
 from hybond.engine.mode.nonlinear.newton_system import rows_of_system, write_bonds
 from hybond.engine.mode.nonlinear.sparse_step import factor_slopes, put_inverse_row
 from hybond.engine.words import Floats
+
+LEAST_WAY: Final = 1e-300
+"""How far unknowns that are zero are moved by rounding, at the least."""
+HALVED: Final = 16
+"""How often the orders of magnitude between two ways are halved."""
+SAYS_SAME: Final = 4.0
+"""Times which two ways may differ that are the same but for rounding of what makes them."""
+FLAT_THERE: Final = -1
+STEEP_THERE: Final = 0
+SLOPES_THERE: Final = 1
 
 
 def solved_sizes(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
@@ -151,31 +162,91 @@ def where_it_bends(e: Engine, mode: Mode, v: Floats) -> None:
     """Lessen the sizes of unknowns that are nothing but rounding where their laws are flat.
 
     A law like ``f*abs(f)`` has no slope at zero, and to first order rounding would move the flow
-    beyond all bounds. It does so as far as the slopes there let it: for a power of the unknown the
-    mean of what slopes say here and as far away as they say, by their logarithms.
+    beyond all bounds. It does so as far as the slopes there let it: for the square of the unknown
+    the mean of what slopes say here and as far away as they say, by their logarithms. For other
+    powers that is not where slopes say the same as how far away it is: there it is sought.
     """
-    m = e.model
-    work = e.work
     frees = mode.finite_frees
-    n = 2 * m.bonds
-    fit(work.tried, n)
-    for k in range(n):
-        work.tried.at[k] = mode.sized_at[k]
-        for j in range(frees):
-            own = math.fabs(mode.sized_at[mode.free_column[j]])
-            way = EPSILON * mode.free_size.at[j]
-            if way > own:
-                work.tried.at[k] += mode.finite_free.at[k * frees + j] * way
-    found = all_finite(n, work.tried.at)
-    if found:
-        rows = rows_of_system(e, mode, v, work.tried.at)
-        found = all_finite(rows * frees, work.jacobian.at) and invert(e, rows)
+    work = e.work
+    fit(work.nearest, frees)
+    fit(work.farthest, frees)
     for j in range(frees):
         own = math.fabs(mode.sized_at[mode.free_column[j]])
-        if EPSILON * mode.free_size.at[j] <= own:
+        way = EPSILON * mode.free_size.at[j]
+        work.farthest.at[j] = way if way > own else 0.0
+        work.nearest.at[j] = min(max(own, LEAST_WAY), way) if way > own else 0.0
+    found = sizes_there(e, mode, v, work.farthest.at) == SLOPES_THERE
+    for j in range(frees):
+        way = work.farthest.at[j]
+        if way == 0.0:
             continue
+        own = math.fabs(mode.sized_at[mode.free_column[j]])
         there = unknown_size(e, frees, j) if found else mode.free_size.at[j]
         if there < mode.free_size.at[j]:
             mean = math.sqrt(there) * math.sqrt(mode.free_size.at[j])
             mode.free_size.at[j] = max(mean, own)
+    if not is_where_slopes_say(e, mode, v):
+        seek_between(e, mode, v)
     write_bonds(e, v, mode.sized_at)
+
+
+def is_where_slopes_say(e: Engine, mode: Mode, v: Floats) -> bool:
+    """Whether slopes as far away as rounding moves unknowns say that it moves them so far."""
+    frees = mode.finite_frees
+    fit(e.work.between, frees)
+    for j in range(frees):
+        far = e.work.farthest.at[j]
+        e.work.between.at[j] = EPSILON * mode.free_size.at[j] if far > 0.0 else 0.0
+    if sizes_there(e, mode, v, e.work.between.at) != SLOPES_THERE:
+        return False
+    for j in range(frees):
+        way = e.work.between.at[j]
+        says = EPSILON * unknown_size(e, frees, j)
+        if way > 0.0 and (says > SAYS_SAME * way or way > SAYS_SAME * says):
+            return False
+    return True
+
+
+def seek_between(e: Engine, mode: Mode, v: Floats) -> None:
+    """Seek how far rounding moves unknowns, between what they are and what slopes here say."""
+    frees = mode.finite_frees
+    near = e.work.nearest.at
+    far = e.work.farthest.at
+    way = e.work.between.at
+    for _ in range(HALVED):
+        for j in range(frees):
+            way[j] = math.sqrt(near[j]) * math.sqrt(far[j])
+        # beyond all numbers laws are steeper than any
+        found = sizes_there(e, mode, v, way)
+        for j in range(frees):
+            says = EPSILON * unknown_size(e, frees, j) if found == SLOPES_THERE else 0.0
+            if found == FLAT_THERE or says > way[j]:
+                near[j] = way[j]
+            else:
+                far[j] = way[j]
+    for j in range(frees):
+        if far[j] > 0.0:
+            own = math.fabs(mode.sized_at[mode.free_column[j]])
+            mode.free_size.at[j] = max(far[j] / EPSILON, own)
+
+
+def sizes_there(e: Engine, mode: Mode, v: Floats, way: Floats) -> int:
+    """Invert the Jacobian where unknowns are so far away, for `unknown_size`.
+
+    SLOPES_THERE, or else why it cannot be: slopes beyond all numbers, or none.
+    """
+    work = e.work
+    frees = mode.finite_frees
+    n = 2 * e.model.bonds
+    fit(work.tried, n)
+    for k in range(n):
+        work.tried.at[k] = mode.sized_at[k]
+        for j in range(frees):
+            if way[j] > 0.0:
+                work.tried.at[k] += mode.finite_free.at[k * frees + j] * way[j]
+    if not all_finite(n, work.tried.at):
+        return STEEP_THERE
+    rows = rows_of_system(e, mode, v, work.tried.at)
+    if rows != frees or not all_finite(rows * frees, work.jacobian.at):
+        return STEEP_THERE
+    return SLOPES_THERE if invert(e, rows) else FLAT_THERE
