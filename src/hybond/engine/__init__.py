@@ -163,7 +163,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
         unresolved          what laws carry, beside its rounding
-        far_guards          those that do not come to hold, which is seen at once
+        far_guards, kinks_afar      those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         kept_rests, sides_seen    what is known of these from step to step, and of their sides
         limits_crossed      what has come to one, waits there, and is asked again

@@ -29,6 +29,7 @@ from hybond.engine.guards.guard_values import (
     waits_still,
 )
 from hybond.engine.guards.kept_rests import forget_rests
+from hybond.engine.guards.kinks_afar import stay_on_sides
 from hybond.engine.guards.locator import (
     ALL_PARTS,
     BLOCKS,
@@ -96,7 +97,7 @@ def search(e: Engine, g: Locator) -> int:
         return OK
     if e.model.kinks + e.model.slide_kinks > 0:
         take_sides_of_kinks(e, g)
-    left = 1 if solve_guards(e, g) else 0
+    left = 1 if solve_guards(e, g) and not stay_on_sides(e, g) else 0
     if has_failed(g):
         return REFUSED
     blocks = 0
@@ -143,6 +144,7 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             continue
         a = g.atom_first[k]
         here = atom_at(e, g, a, e.step.t0)
+        g.shape[a * SAMPLES] = here
         if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] != 0:
                 continue  # not passed yet

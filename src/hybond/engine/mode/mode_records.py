@@ -30,7 +30,11 @@ FREE: Final = 2
 
 @record
 class Leakage:
-    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`."""
+    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`.
+
+    Found, in so many stages, for `many` ways in which bond variables are free, `ways`, and for
+    `leaks` rows of what leaks, `leak`; none: not found yet.
+    """
 
     stages: int
     first: int
@@ -40,6 +44,11 @@ class Leakage:
     basis2: Block
     taken2: Block
     amount: Block
+    many: int
+    leaks: int
+    found: int
+    ways: Block
+    leak: Block
 
 
 @record
@@ -301,6 +310,8 @@ def make_leakage() -> Leakage:
     p.basis2 = make_block(1)
     p.taken2 = make_block(1)
     p.amount = make_block(1)
+    p.ways = make_block(1)
+    p.leak = make_block(1)
     return p
 
 
