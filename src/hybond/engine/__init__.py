@@ -56,6 +56,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             sparse_step, single_terms    its step where there are many; what a row says of one
                             unknown alone
             slopes_bounded  what stands for slopes without bound
+            unseen          what no law of a mode sees, and steps beside that
             guess, neighbours    where it begins
             damped, continuation    with shorter steps; on the way from laws with a resistance
                             beside

@@ -217,6 +217,12 @@ class Mode:
     Newton is exact."""
     regular: bool
     """Whether the last step of Newton shows that nothing is free."""
+    clear: bool
+    """Whether it shows that nothing is free but what no law sees: ..."""
+    unseen: int
+    """... so many ways, in unknowns, `unseen_ways`; which unknowns are held as others go them."""
+    unseen_ways: Block
+    unseen_held: Places
     apart: Apart
     leakage: Leakage
     loose: int
@@ -392,6 +398,8 @@ def make_mode(m: Model) -> Mode:
     mode.dynamic = ints(m.most_dynamic + m.storages)
     mode.structure = ints(m.most_dynamic + m.storages)
     mode.other = ints(m.most_dynamic + m.storages)
+    mode.unseen_ways = make_block(1)
+    mode.unseen_held = make_places(1)
     mode.apart = make_apart()
     mode.leakage = make_leakage()
     mode.freedom = make_block(1)

@@ -73,6 +73,9 @@ class Run:
     """Whether rates jumped there, and led back behind it."""
     back: int
     """At how many of the last ones in a row they did."""
+    hold_due: int
+    """At which of them it is asked next whether it holds the motion, after how many again."""
+    hold_waits: int
     crowd: int
     """Kinks without a jump in a row at which a step ended next to where it began."""
     nap: int
@@ -166,6 +169,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.kink = -1
     r.jumping = -1
     r.nap = 1
+    r.hold_waits = 1
     r.lull = 1
     r.patience = PATIENCE
     r.edge_at = -1.0
