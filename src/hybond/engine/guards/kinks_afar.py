@@ -13,11 +13,14 @@ import math
 from typing import Final
 
 from hybond.engine.engine import Engine
+from hybond.engine.guards.bracket import bracket
 from hybond.engine.guards.far_guards import is_far
-from hybond.engine.guards.guard_values import atom_here, look_at_sample
-from hybond.engine.guards.locator import FRACTION, NO_KINK, SAMPLES, Locator
+from hybond.engine.guards.guard_values import atom_here, look_at_sample, test_here
+from hybond.engine.guards.locator import FRACTION, NO_KINK, NONE, SAMPLES, Locator
 from hybond.engine.guards.naps import is_asleep
 
+STRAIGHT: Final = 0.25
+"""Part of its way in a step by which what is compared may be off a straight one in the middle."""
 MIDDLE: Final = 4
 """The sample in the middle of a step."""
 
@@ -62,6 +65,54 @@ def stay_on_sides(e: Engine, g: Locator) -> bool:
         if g.solved[k] == 0:
             return False
     return True
+
+
+def only_passed(e: Engine, g: Locator) -> int:
+    """Return the only guard that is left to be sampled if it is a kink plainly passed; or NONE.
+
+    After `stay_on_sides`: what is compared there runs through zero nearly straight.
+    """
+    only = NONE
+    for k in range(g.guards):
+        if g.solved[k] == 0:
+            if only != NONE or g.side[k] == NO_KINK or g.side[k] == 0 or is_asleep(g, k):
+                return NONE
+            only = k
+    if e.slide.k > 0 or only == NONE or g.failed or g.looked != e.step.t1:
+        return NONE
+    at = g.atom_first[only] * SAMPLES
+    side = float(g.side[only])
+    begin = side * g.shape[at]
+    end = side * atom_here(e, g, g.atom_first[only])
+    bent = side * g.shape[at + MIDDLE] - (begin + FRACTION[MIDDLE] * (end - begin))
+    plain = begin > 0.0 and end < 0.0 and math.fabs(bent) <= STRAIGHT * (begin - end)
+    return only if plain else NONE
+
+
+def passed_at(e: Engine, g: Locator, k: int) -> float:
+    """Return when a kink is passed that is plainly passed in the step; infinity if it is not.
+
+    The two samples that it lies between are found by halves, and no others asked for.
+    """
+    a = g.atom_first[k]
+    for i in range(SAMPLES):
+        g.t[i] = e.step.t0 + (e.step.t1 - e.step.t0) * FRACTION[i]
+    g.t[SAMPLES - 1] = e.step.t1
+    low = 0
+    high = SAMPLES - 1
+    g.shape[a * SAMPLES + high] = atom_here(e, g, a)
+    if not test_here(e, g, k):
+        return math.inf
+    while high - low > 1:
+        i = (low + high) // 2
+        look_at_sample(e, g, g.t[i])
+        g.shape[a * SAMPLES + i] = atom_here(e, g, a)
+        if test_here(e, g, k):
+            high = i
+        else:
+            low = i
+    g.sampled = True
+    return bracket(e, g, k, g.t[low], g.t[high])
 
 
 def is_clear(g: Locator, k: int, turn: int) -> bool:
