@@ -14,6 +14,7 @@ from hybond.engine.laws.gaps_left import (
     some_closed_move,
     some_is_left,
 )
+from hybond.engine.methods.control import GROW
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.methods.tolerances.scale import is_unmoved, start_scale
@@ -173,8 +174,10 @@ def go_behind(e: Engine, r: Run) -> int:
     if is_unmoved(e):
         start_scale(e, e.mode)  # nothing has moved yet, but may do from here
     learned = e.step.onset_end
+    before = e.step.h
     if start(e, e.t, e.y, bound_of(e), True) != OK:
         return -1
     if is_crowded(e, r):
         e.step.onset_end = learned  # a moment later is behind many more of them
+        e.step.h = min(e.step.h, GROW * before)  # rates alone know nothing of what they are led to
     return ANEW
