@@ -1,10 +1,11 @@
 """Kinks that a step comes nowhere near: they are not sampled.
 
 What is compared may be a sum of the state, as where a table of a storage bends: a polynomial of the
-step, which is clear of zero all over it. Of anything else, where the step begins, in its middle and
-where it ends tell enough if what is compared is farther from zero in all three than they are from
-each other: what a step follows to within its error does not turn so sharply in between. A kink that
-it does pass there and back is no event; the error of the step sees what that does.
+step, which is clear of zero all over it. Of what does not turn again and again as signals move,
+three looks tell enough, where the step begins, in its middle and where it ends, if what is compared
+is farther from zero in all of them than they are from each other: what a step follows to within its
+error does not turn so sharply in between. A kink that it does pass there and back is no event; the
+error of the step sees what that does.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from hybond.engine.guards.far_guards import is_far
 from hybond.engine.guards.guard_values import atom_here, look_at_sample, test_here
 from hybond.engine.guards.locator import FRACTION, NO_KINK, NONE, SAMPLES, Locator
 from hybond.engine.guards.naps import is_asleep
+from hybond.engine.model import Model
 
 STRAIGHT: Final = 0.25
 """Part of its way in a step by which what is compared may be off a straight one in the middle."""
@@ -38,33 +40,40 @@ def stay_on_sides(e: Engine, g: Locator) -> bool:
     Of several, those that do are not sampled: what is compared there may bend where another is
     passed, and no samples would show it.
     """
+    for k in range(g.guards):
+        g.done[k] = 0
     if e.slide.k > 0:
         return False
     for k in range(g.guards):
-        g.done[k] = 0
-        if g.solved[k] == 0 and (g.side[k] == NO_KINK or g.side[k] == 0):
+        if g.solved[k] == 0 and not is_told(e.model, g, k):
             return False
-    some = True
     for turn in range(2):
         row = MIDDLE if turn == 0 else SAMPLES - 1
         t = e.step.t0 + (e.step.t1 - e.step.t0) * FRACTION[row]
-        if some:
-            look_at_sample(e, g, t if turn == 0 else e.step.t1)
+        look_at_sample(e, g, t if turn == 0 else e.step.t1)
         if g.failed:
             return False
-        some = False
         for k in range(g.guards):
-            if g.solved[k] == 0 and g.done[k] == 0 and not is_asleep(g, k):
+            if g.solved[k] == 0 and not is_asleep(g, k):
                 a = g.atom_first[k]
                 g.shape[a * SAMPLES + row] = atom_here(e, g, a)
-                g.done[k] = 0 if is_clear(g, k, turn) else 1
-            some = some or (g.solved[k] == 0 and g.done[k] == 0)
+                g.done[k] = 1 if g.done[k] != 0 or not is_clear(g, k, turn) else 0
+    left = False
     for k in range(g.guards):
         g.solved[k] = 1 if g.done[k] == 0 else g.solved[k]
-    for k in range(g.guards):
-        if g.solved[k] == 0:
-            return False
-    return True
+        left = left or g.solved[k] == 0
+    return not left
+
+
+def is_told(m: Model, g: Locator, k: int) -> bool:
+    """Whether guard k is a kink of which three looks may tell.
+
+    What turns again and again, as the sine that says where ``floor`` has its steps, may look alike
+    in all of them, and have passed zero many times.
+    """
+    if g.side[k] == NO_KINK or g.side[k] == 0:
+        return False
+    return m.kink_plain[g.atom[g.atom_first[k]] - m.kink_atom] != 0
 
 
 def only_passed(e: Engine, g: Locator) -> int:
@@ -75,7 +84,7 @@ def only_passed(e: Engine, g: Locator) -> int:
     only = NONE
     for k in range(g.guards):
         if g.solved[k] == 0:
-            if only != NONE or g.side[k] == NO_KINK or g.side[k] == 0 or is_asleep(g, k):
+            if only != NONE or g.done[k] == 0 or is_asleep(g, k):
                 return NONE
             only = k
     if e.slide.k > 0 or only == NONE or g.failed or g.looked != e.step.t1:

@@ -72,11 +72,13 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
         return
     fit(w.a, (m.junctions + 1) * n)
     rows = junction_rows(m, mode, w.a.at)
-    if many == p.many and rows == p.leaks:
+    if mode.dynamics > 0 and many == p.many and rows == p.leaks:
         if is_same(n * many, freedom, p.ways.at) and is_same(rows * n, w.a.at, p.leak.at):
             p.stages = p.found
             return
     find_leakage(e, n, rows, many, freedom, p)
+    if mode.dynamics == 0:
+        return  # nothing is asked for again
     fit(p.ways, n * many)
     fit(p.leak, max(rows, 1) * n)
     copy_floats(n * many, freedom, p.ways.at)
