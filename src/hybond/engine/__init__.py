@@ -56,6 +56,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             sparse_step, single_terms    its step where there are many; what a row says of one
                             unknown alone
             slopes_bounded  what stands for slopes without bound
+            unseen          what no law of a mode sees, and steps beside that
             guess, neighbours    where it begins
             damped, continuation    with shorter steps; on the way from laws with a resistance
                             beside
@@ -165,7 +166,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         guard_values, guard_shape, candidates, bracket    by samples
         solved_guards, step_polynomials, quartic    by polynomials
         unresolved          what laws carry, beside its rounding
-        far_guards          those that do not come to hold, which is seen at once
+        far_guards, kinks_afar      those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         kept_rests, sides_seen    what is known of these from step to step, and of their sides
         limits_crossed      what has come to one, waits there, and is asked again

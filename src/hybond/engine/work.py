@@ -75,6 +75,10 @@ class Work:
     frozen: Block
     jacobian: Block
     jacobian2: Block
+    seen_slopes: Block
+    seen_step: Block
+    """Of Newton's system what is not held, and its step; which bond variables its rows read."""
+    read_by_laws: Places
     inverse: Block
     whole: Block
     """Of Newton with shorter steps: the whole step, what it is measured by, where a part leads,
@@ -306,6 +310,9 @@ def make_work(m: Model) -> Work:
     w.frozen = make_block(1)
     w.jacobian = make_block(1)
     w.jacobian2 = make_block(1)
+    w.seen_slopes = make_block(1)
+    w.seen_step = make_block(1)
+    w.read_by_laws = make_places(1)
     w.inverse = make_block(1)
     w.whole = make_block(1)
     w.weight = make_block(1)

@@ -34,6 +34,7 @@ from hybond.engine.guards.guard_values import (
     rests,
     terms_here,
 )
+from hybond.engine.guards.kinks_afar import stays_afar
 from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.quartic import (
     COEFFICIENTS,
@@ -83,7 +84,10 @@ def solve_guards(e: Engine, g: Locator) -> bool:
         own = may and g.side[k] == NO_KINK and (not cubic or begins_clear(g, k))
         g.solved[k] = 1 if own and is_solved(g, k) else 0
         if g.solved[k] == 0:
-            quiet = shown and g.side[k] == NO_KINK and never_holds(e, g, k, waves or not may)
+            if g.side[k] == NO_KINK:
+                quiet = shown and never_holds(e, g, k, waves or not may)
+            else:
+                quiet = shown and stays_afar(e, g, k)
             g.solved[k] = 1 if quiet and not g.failed else 0
             left = left or g.solved[k] == 0
         elif not g.failed and not is_quiet(e, g, k):

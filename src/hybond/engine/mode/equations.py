@@ -17,6 +17,7 @@ from hybond.engine.mode.nonlinear.apart import find_groups
 from hybond.engine.mode.nonlinear.followed_records import UNKNOWN
 from hybond.engine.mode.nonlinear.newton import by_knowns
 from hybond.engine.mode.nonlinear.newton_system import take_rank
+from hybond.engine.mode.nonlinear.unseen import find_unseen
 from hybond.engine.mode.reading import read_rates
 from hybond.engine.mode.rows.elimination import CLEAR
 from hybond.engine.mode.rows.storage import is_alone
@@ -269,7 +270,9 @@ def eliminate(e: Engine, mode: Mode) -> None:
     mode.leakage.stages = 0
     mode.leakage.first = 0
     mode.leakage.second = 0
+    mode.leakage.many = 0
     mode.loose = 0
+    mode.unseen = 0
     if mode.too_high:
         return
     mode.rank = mode.structures
@@ -281,6 +284,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
             mode.affine = False
         if d < 0 and not is_hidden_affine(m, mode, -1 - d):
             mode.affine = False
+    find_unseen(e, mode)
     if mode.finite_frees == 0 or mode.dynamics > 0:
         # what laws that are evaluated leave free is known at the values that hold
         return

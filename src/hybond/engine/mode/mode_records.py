@@ -30,7 +30,11 @@ FREE: Final = 2
 
 @record
 class Leakage:
-    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`."""
+    """What least leakage takes off: ``(1 - basis2 taken2)(1 - basis1 taken1) w``, in `stages`.
+
+    Found, in so many stages, for `many` ways in which bond variables are free, `ways`, and for
+    `leaks` rows of what leaks, `leak`; none: not found yet.
+    """
 
     stages: int
     first: int
@@ -40,6 +44,11 @@ class Leakage:
     basis2: Block
     taken2: Block
     amount: Block
+    many: int
+    leaks: int
+    found: int
+    ways: Block
+    leak: Block
 
 
 @record
@@ -208,6 +217,12 @@ class Mode:
     Newton is exact."""
     regular: bool
     """Whether the last step of Newton shows that nothing is free."""
+    clear: bool
+    """Whether it shows that nothing is free but what no law sees: ..."""
+    unseen: int
+    """... so many ways, in unknowns, `unseen_ways`; which unknowns are held as others go them."""
+    unseen_ways: Block
+    unseen_held: Places
     apart: Apart
     leakage: Leakage
     loose: int
@@ -301,6 +316,8 @@ def make_leakage() -> Leakage:
     p.basis2 = make_block(1)
     p.taken2 = make_block(1)
     p.amount = make_block(1)
+    p.ways = make_block(1)
+    p.leak = make_block(1)
     return p
 
 
@@ -381,6 +398,8 @@ def make_mode(m: Model) -> Mode:
     mode.dynamic = ints(m.most_dynamic + m.storages)
     mode.structure = ints(m.most_dynamic + m.storages)
     mode.other = ints(m.most_dynamic + m.storages)
+    mode.unseen_ways = make_block(1)
+    mode.unseen_held = make_places(1)
     mode.apart = make_apart()
     mode.leakage = make_leakage()
     mode.freedom = make_block(1)

@@ -32,6 +32,7 @@ def numbers_of(m: Model, mode: Mode) -> float:
     total += float(b.when.size + b.root.size + b.own.size) + 0.5 * float(b.open_unknown.size)
     p = mode.leakage
     total += float(p.basis.size + p.taken.size + p.basis2.size + p.taken2.size)
+    total += float(p.ways.size + p.leak.size + mode.unseen_ways.size)
     ways = mode.ways
     total += float(ways.directions.size + ways.moving.size + ways.d.size + ways.share.size)
     total += float(ways.slope.size + ways.inverse.size + ways.moves_by.size)

@@ -14,6 +14,7 @@ from hybond.engine.laws.gaps_left import (
     some_closed_move,
     some_is_left,
 )
+from hybond.engine.methods.control import GROW
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.methods.tolerances.scale import is_unmoved, start_scale
@@ -22,7 +23,13 @@ from hybond.engine.run.guard_at_kink import (
     last_before_kink,
     some_guard_holds,
 )
-from hybond.engine.run.kinks_passed import count_kink, end_at_kink, is_in_vain, stuck_at_kink
+from hybond.engine.run.kinks_passed import (
+    count_kink,
+    end_at_kink,
+    is_crowded,
+    is_in_vain,
+    stuck_at_kink,
+)
 from hybond.engine.run.log import report_step
 from hybond.engine.run.noted import note
 from hybond.engine.run.roots_reached import rest_at_roots
@@ -166,4 +173,11 @@ def go_behind(e: Engine, r: Run) -> int:
     rest_at_roots(e, r)
     if is_unmoved(e):
         start_scale(e, e.mode)  # nothing has moved yet, but may do from here
-    return ANEW if start(e, e.t, e.y, bound_of(e), True) == OK else -1
+    learned = e.step.onset_end
+    before = e.step.h
+    if start(e, e.t, e.y, bound_of(e), True) != OK:
+        return -1
+    if is_crowded(e, r):
+        e.step.onset_end = learned  # a moment later is behind many more of them
+        e.step.h = min(e.step.h, GROW * before)  # rates alone know nothing of what they are led to
+    return ANEW

@@ -43,6 +43,8 @@ DENSE: Final = 32
 zero by the error of the steps, which sees what the kink does."""
 NO_NEARER: Final = 0.5
 """Part of the way to a kink that is left behind a step which has led to it in vain."""
+LONGEST_WAIT: Final = 64
+"""Kinks after which it is asked again whether one holds the motion, at the most."""
 CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 ASIDE: Final = 0.25
@@ -185,9 +187,20 @@ def count_kink(e: Engine, r: Run) -> int:
     lately = e.t - r.kink_at[r.kinks % (IDLE + 1)] if r.kinks > IDLE else math.inf
     if r.jumps and lately <= BACK_AT_ONCE * e.span:
         return switches_back(e, r)
-    if lately <= SOON_BACK * e.span and is_held(e, r):
-        return switches_back(e, r)
-    return OK
+    if lately > SOON_BACK * e.span:
+        r.hold_waits = 1
+        return OK
+    if r.kinks < r.hold_due:
+        return OK
+    # what goes on passing kinks is asked ever more rarely whether one holds it
+    r.hold_due = r.kinks + r.hold_waits
+    r.hold_waits = min(2 * r.hold_waits, LONGEST_WAIT)
+    return switches_back(e, r) if is_held(e, r) else OK
+
+
+def is_crowded(e: Engine, r: Run) -> bool:
+    """Whether kinks are so many in next to no part of the run that a moment passes many."""
+    return r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= SOON_BACK * e.span
 
 
 def events_held(e: Engine, r: Run) -> bool:

@@ -30,6 +30,12 @@ SHORT: Final = 1e-3
 """Part of what is stored that moves while a speed is seen."""
 NOTHING: Final = 1e-6
 """Part of what was stored beside rest that is nothing there."""
+FAR: Final = 1e4
+"""Times what the error of a step moves it from which on what is compared is far from rest."""
+NEARER: Final = 0.25
+"""Part of what it was then from which on it is looked at anew, ..."""
+LOOKED: Final = 32
+"""... or after so many steps: how much it moves is another where laws bend."""
 PASSES: Final = 4
 """Times that the straight way to rest is gone."""
 
@@ -45,7 +51,7 @@ def rest_at_roots(e: Engine, r: Run) -> None:
         refusal = e.refusal
         # the straight way leads far beyond where a storage bends: nothing of that is to be kept
         hold_guess(e, e.mode)
-        if not goes_to_rest(e, r, m.kink_rest[kink], m.atom_value[m.kink_atom + kink]):
+        if not goes_to_rest(e, r, kink):
             give_back_guess(e, e.mode)
         else:
             copy_floats(e.states, r.after, e.y)
@@ -55,13 +61,18 @@ def rest_at_roots(e: Engine, r: Run) -> None:
         e.refusal = refusal
 
 
-def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
+def goes_to_rest(e: Engine, r: Run, k: int) -> bool:
     """Put the state at rest into `r.after`; whether the motion leads there and stays.
 
-    Of what is compared a law takes the root, which is `kink` if it is the law that is flat.
+    Of what is compared at kink k a law takes the root; the two are one if it is the law that is
+    flat.
     """
+    atom = e.model.kink_rest[k]
+    kink = e.model.atom_value[e.model.kink_atom + k]
     away = at_state(e, r, atom, e.y)
-    if away == 0.0 or not math.isfinite(away) or field(e, e.mode, e.t, e.y, r.rate) != OK:
+    if away == 0.0 or not math.isfinite(away) or is_far_from_rest(e, r, k, away):
+        return False
+    if field(e, e.mode, e.t, e.y, r.rate) != OK:
         return False
     beside = leads_to_rest(e, r, atom, away)
     if beside == 0.0:
@@ -87,6 +98,34 @@ def goes_to_rest(e: Engine, r: Run, atom: int, kink: int) -> bool:
     if rests and by_radau(e) and is_moved_on(e, r, atom, left, seen, most):
         return False
     return rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= most
+
+
+def is_far_from_rest(e: Engine, r: Run, k: int, away: float) -> bool:
+    """Whether the error of a step is next to nothing of what is away from rest at kink k.
+
+    It was when that was looked at last, in this mode, not long ago and from nearly as far away.
+    """
+    size = math.fabs(away)
+    known = r.rest_mode[k] == e.mode.made and r.rest_asked[k] < LOOKED
+    if not (known and size > NEARER * r.rest_away[k] and NEARER * size < r.rest_away[k]):
+        r.rest_moved[k] = moved_by_errors(e, r, e.model.kink_rest[k], away)
+        r.rest_away[k] = size
+        r.rest_mode[k] = e.mode.made
+        r.rest_asked[k] = 0
+    r.rest_asked[k] += 1
+    return size > FAR * r.rest_moved[k]
+
+
+def moved_by_errors(e: Engine, r: Run, atom: int, away: float) -> float:
+    """Return by how much what is compared moves with all states, each moved by a step's error."""
+    g = r.locator
+    total = 0.0
+    widest_tolerance(e, e.y, r.beside)
+    for i in range(e.states):
+        copy_floats(e.states, e.y, g.y)
+        g.y[i] += r.beside[i]
+        total += math.fabs(compared(e, g, atom, e.t) - away)
+    return total
 
 
 def is_moved_on(e: Engine, r: Run, atom: int, left: float, h: float, most: float) -> bool:

@@ -54,6 +54,12 @@ class Run:
     idle: int
     idle_at: Floats
     """When the last instants were at which a guard held and nothing changed, in a ring."""
+    rest_away: Floats
+    """Of each kink: what was compared when it was seen last by how much the error of a step moves
+    it, that much, and the number of the mode; how often it was asked for since."""
+    rest_moved: Floats
+    rest_mode: Ints
+    rest_asked: Ints
     kinks: int
     """Steps that a kink has ended, and when the last ones were, in a ring."""
     kink_at: Floats
@@ -67,6 +73,9 @@ class Run:
     """Whether rates jumped there, and led back behind it."""
     back: int
     """At how many of the last ones in a row they did."""
+    hold_due: int
+    """At which of them it is asked next whether it holds the motion, after how many again."""
+    hold_waits: int
     crowd: int
     """Kinks without a jump in a row at which a step ended next to where it began."""
     nap: int
@@ -150,12 +159,17 @@ def make_run(e: Engine, report: Report) -> Run:
     r.idle_at = floats(IDLE + 1)
     r.event_at = floats(IDLE + 1)
     r.kink_at = floats(IDLE + 1)
+    r.rest_away = floats(e.model.kinks)
+    r.rest_moved = floats(e.model.kinks)
+    r.rest_mode = ints(e.model.kinks)
+    r.rest_asked = ints(e.model.kinks)
     r.rate = floats(e.states)
     r.beside = floats(4 * e.states)
     r.after = floats(e.states)
     r.kink = -1
     r.jumping = -1
     r.nap = 1
+    r.hold_waits = 1
     r.lull = 1
     r.patience = PATIENCE
     r.edge_at = -1.0

@@ -61,18 +61,53 @@ def least_leakage(e: Engine, mode: Mode, many: int, freedom: Floats, p: Leakage)
     """Find the projection of any solution onto the one of least leakage.
 
     `freedom` has a row for each bond variable and `many` columns: directions in which they are
-    free.
+    free. Where these, and what leaks, are what they were, so is the projection: what a loop of
+    junctions leaves free is so at every instant.
     """
     m = e.model
     w = e.work
     n = 2 * m.bonds
-    p.stages = 0
-    p.first = 0
-    p.second = 0
     if many == 0:
+        forget_leakage(p)
         return
     fit(w.a, (m.junctions + 1) * n)
     rows = junction_rows(m, mode, w.a.at)
+    if mode.dynamics > 0 and many == p.many and rows == p.leaks:
+        if is_same(n * many, freedom, p.ways.at) and is_same(rows * n, w.a.at, p.leak.at):
+            p.stages = p.found
+            return
+    find_leakage(e, n, rows, many, freedom, p)
+    if mode.dynamics == 0:
+        return  # nothing is asked for again
+    fit(p.ways, n * many)
+    fit(p.leak, max(rows, 1) * n)
+    copy_floats(n * many, freedom, p.ways.at)
+    copy_floats(rows * n, w.a.at, p.leak.at)
+    p.many = many
+    p.leaks = rows
+    p.found = p.stages
+
+
+def forget_leakage(p: Leakage) -> None:
+    """Let nothing be taken off."""
+    p.stages = 0
+    p.first = 0
+    p.second = 0
+    p.many = 0
+
+
+def is_same(n: int, a: Floats, b: Floats) -> bool:
+    """Whether n numbers are the same."""
+    for i in range(n):
+        if a[i] != b[i]:
+            return False
+    return True
+
+
+def find_leakage(e: Engine, n: int, rows: int, many: int, freedom: Floats, p: Leakage) -> None:
+    """Find it, `rows` rows of what leaks being in ``e.work.a``."""
+    w = e.work
+    forget_leakage(p)
     fit(w.b, max(rows, n) * many)
     fit(w.c, many * max(rows, n) + many * many)
     fit(p.amount, many)

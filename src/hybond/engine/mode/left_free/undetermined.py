@@ -51,6 +51,10 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
     that end it.
     """
     let_go(e, mode)
+    if mode.clear and not is_free_at_corners(e, mode, v, w):
+        take_unseen(e, mode)
+        project(mode.leakage, 2 * e.model.bonds, w)
+        return
     mode.regular = mode.regular or all_determined(e, mode, v, w)
     if mode.regular and not is_free_at_corners(e, mode, v, w):
         mode.loose = 0
@@ -68,6 +72,19 @@ def least_of_free(e: Engine, mode: Mode, v: Floats, w: Floats) -> None:
         # what is left free there is so whichever corners the way has met
         let_go(e, mode)
         find_free(e, mode, v, w)
+
+
+def take_unseen(e: Engine, mode: Mode) -> None:
+    """Let bond variables be free as what no law sees moves them, and nothing else."""
+    n = 2 * e.model.bonds
+    frees = mode.finite_frees
+    many = mode.unseen
+    fit(e.work.b, n * many)
+    times_cancelling(n, frees, many, mode.finite_free.at, mode.unseen_ways.at, e.work.b.at)
+    fit(mode.freedom, n * many)
+    keep_moving(n, many, many, e.work.b.at, mode.freedom.at)
+    mode.loose = many
+    least_leakage(e, mode, many, mode.freedom.at, mode.leakage)
 
 
 def let_go(e: Engine, mode: Mode) -> None:

@@ -33,6 +33,7 @@ from hybond.engine.mode.nonlinear.newton_system import (
 )
 from hybond.engine.mode.nonlinear.put_back import is_exact, put_back
 from hybond.engine.mode.nonlinear.solved_apart import solved_apart
+from hybond.engine.mode.nonlinear.unseen import step_beside_unseen
 from hybond.engine.mode.rows.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.rows.storage import co_energy, co_energy_of
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
@@ -113,11 +114,13 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         r[j] = mode.guess.at[j] if mode.guessed else 0.0
     work.swings = 0
     work.met_rounding = False
+    mode.clear = False
     found = solved_apart(e, mode, v, r)
     if not found:
         for j in range(frees):
             r[j] = mode.guess.at[j] if mode.guessed else 0.0
         found = full_steps(e, mode, v, r)
+    mode.clear = mode.clear and found and work.swings == 0
     if work.swings > 0:
         found = from_swings(e, mode, v, r)
     if not found:
@@ -193,14 +196,20 @@ def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             return False
         if is_zero(rows, work.residual.at):
             # exact already, even where a law has no slope: a root at zero flow
-            mode.regular = all_finite(rows * frees, work.jacobian.at) and newton_step(
-                e, rows, frees
+            mode.clear = all_finite(rows * frees, work.jacobian.at) and (
+                step_beside_unseen(e, mode, rows)
+            )
+            mode.regular = (
+                not mode.clear
+                and all_finite(rows * frees, work.jacobian.at)
+                and newton_step(e, rows, frees)
             )
             return True
         if not all_finite(rows * frees, work.jacobian.at):
             return False
-        mode.regular = newton_step(e, rows, frees)
-        if not mode.regular and stands_still(e, rows, frees):
+        mode.clear = step_beside_unseen(e, mode, rows)
+        mode.regular = not mode.clear and newton_step(e, rows, frees)
+        if not (mode.regular or mode.clear) and stands_still(e, rows, frees):
             # after a step that was next to nothing, what cannot be reached may be rounding
             return is_left_by_laws(e, mode, v, w) or (small and is_idle_reaction(e, mode, v, w))
         scale = largest_of(n, work.base) + largest_of(frees, r)
