@@ -15,8 +15,7 @@ from hybond.model.expressions.tree import walk
 from hybond.model.parts import MachinePart
 from hybond.names import did_you_mean
 
-_UP = {">": ">", ">=": ">", "<": "<", "<=": "<"}
-_DOWN = {">": "<", ">=": "<", "<": ">", "<=": ">"}
+_NOT = {">": "<=", ">=": "<", "<": ">=", "<=": ">"}
 
 
 class Computing:
@@ -76,8 +75,8 @@ class Computing:
                 {"no": (), "yes": ()},
                 "yes" if "=" in op else "no",  # as it starts if both sides are equal
                 (
-                    f"no -> yes when {Compare(_UP[op], comparison.left, comparison.right)}",
-                    f"yes -> no when {Compare(_DOWN[op], comparison.left, comparison.right)}",
+                    f"no -> yes when {comparison}",
+                    f"yes -> no when {Compare(_NOT[op], comparison.left, comparison.right)}",
                 ),
             )
             self.model.signals[name] = f'if {machine}.state == "yes" then 1 else 0'

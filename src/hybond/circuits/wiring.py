@@ -13,6 +13,7 @@ from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts, minus
+from hybond.circuits.thresholds import compared, rests_at
 from hybond.circuits.woven import Terms, Woven, written
 from hybond.errors import FileError
 from hybond.model.builder import Model
@@ -139,12 +140,20 @@ class Assembly:
                 on, off = f"{ideal.on!r} {unit}", f"{ideal.off!r} {unit}"
         name = self.woven.names.take(f"{junction}_state")
         above, below = ("open", "closed") if ideal.inverted else ("closed", "open")
+        up, down = compared(branch, ideal, self.leaves)
+        if rests_at(branch, ideal, self.leaves):
+            side = above if up == ">=" else below
+            self.notices.add(
+                branch.line,
+                f"{branch.name}: what it follows rests at its threshold of {ideal.on:g} {unit}, "
+                f"where it is taken as {side}",
+            )
         self.model.machines[name] = MachinePart(
             {"open": (), "closed": (junction,)},
             above if branch.state == "on" else below,
             (
-                f"{below} -> {above} when {sensed} > {on}",
-                f"{above} -> {below} when {sensed} < {off}",
+                f"{below} -> {above} when {sensed} {up} {on}",
+                f"{above} -> {below} when {sensed} {down} {off}",
             ),
         )
 
