@@ -31,7 +31,7 @@ def led_between(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     """Lead the one unknown from where full steps have ended to where one of them helps."""
     if mode.finite_frees != 1 or mode.dynamics != 1 or mode.rank != mode.structures:
         return False
-    if not mode.guessed or may_have_several(e, mode) or mode.branch.others != NEVER:
+    if may_have_several(e, mode) or mode.branch.others != NEVER:
         return False
     near = r[0]
     there = residual_at(e, mode, v, r, near)
@@ -39,7 +39,7 @@ def led_between(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     beyond = residual_at(e, mode, v, r, far)
     if not is_between(there, beyond):
         return False
-    guess = mode.guess.at[0]
+    guess = mode.guess.at[0] if mode.guessed else 0.0
     if (guess - near) * (guess - far) < 0.0:
         left = residual_at(e, mode, v, r, guess)
         if is_alike(left, there):
