@@ -5,8 +5,8 @@ of zero stands for each C, a voltage source of zero for each L, and what remains
 without storage, whose diodes and switches are settled as any others. Sources that compute do so
 of what is there at rest, at t = 0. Where its solution is not the only one, the start is not a
 matter of the circuit, and the netlist has to say it, unless the resistances of its open switches
-do: a capacitor behind a switch that samples holds what leaks to it. An oscillator of comparators has none: each
-makes the other false. It starts as with ``uic``, and a warning says so.
+do: a capacitor behind a switch that samples holds what leaks to it. An oscillator of comparators
+has none: each makes the other false. It starts as with ``uic``, and a warning says so.
 """
 
 from __future__ import annotations
