@@ -21,6 +21,8 @@ from hybond.model.parts import MachinePart, Part
 
 _OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
 _READ = re.compile(r"(?<![\w.])([vi])\(\s*([^\s(),]+)\s*(?:,\s*([^\s(),]+)\s*)?\)", re.IGNORECASE)
+_CARRY_A_CURRENT = "veh"
+"""Kinds whose current is an unknown of SPICE, so that F, H and W may follow it."""
 _GAINS = {"e": "", "g": "A/V", "f": "", "h": "V/A"}
 
 
@@ -111,7 +113,7 @@ class Assembly:
             plus, minus_ = branch.senses
             return written(self.sensing.voltage(plus, minus_, branch.line))
         source = self.sensing.by_key.get(branch.senses[0])
-        if source is None or self.leaves[source].branch.kind != "v":
+        if source is None or self.leaves[source].branch.kind not in _CARRY_A_CURRENT:
             raise branch.line.refuse(
                 f"{branch.senses[0]!r} is no voltage source",
                 code="HB-F134",
