@@ -5,6 +5,8 @@ passes. Each comparison had one rule for what is above and one for what is below
 what it was there, for good and without a word.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -106,6 +108,9 @@ def test_a_comparator_behind_an_integrator_is_no_divergence_of_time(read):
         "Bd dac 0 V = V(h2) > 0 ? -1 : 1", ".model ss SW(VT=0.5 RON=100 ROFF=1e12)",
         ".tran 1u 40u 0 0.05u uic",
     )  # fmt: skip
+    machine = conversion.model.machines["Bc_comparison"]
+    rules = ("no -> yes when E1.e/1 [V] > 0", "yes -> no when E1.e/1 [V] <= 0")
+    conversion.model.machines["Bc_comparison"] = replace(machine, rules=rules)
     run = hb.simulate(conversion.model)
     assert run.status == "ok"
     brought = run.measure("integral(Rf.f)") + run.measure("integral(R1.f)")

@@ -9,6 +9,7 @@ from hybond.circuits.behaviour import Law, Read, plainly
 from hybond.circuits.computing import Computing
 from hybond.circuits.deck import Deck
 from hybond.circuits.leaves import Leaf
+from hybond.circuits.levels import has_levels
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
@@ -17,6 +18,7 @@ from hybond.circuits.thresholds import compared, rests_at
 from hybond.circuits.woven import Terms, Woven, written
 from hybond.errors import FileError
 from hybond.model.builder import Model
+from hybond.model.expressions import parse
 from hybond.model.parts import MachinePart, Part
 
 _OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
@@ -143,7 +145,9 @@ class Assembly:
         name = self.woven.names.take(f"{junction}_state")
         above, below = ("open", "closed") if ideal.inverted else ("closed", "open")
         up, down = compared(branch, ideal, self.leaves)
-        if rests_at(branch, ideal, self.leaves):
+        if not has_levels(parse(sensed), self.model):
+            up, down = ">", "<"
+        if "=" in up + down and rests_at(branch, ideal, self.leaves):
             side = above if up == ">=" else below
             self.notices.add(
                 branch.line,
