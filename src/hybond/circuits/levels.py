@@ -9,6 +9,7 @@ from __future__ import annotations
 from hybond.model.builder import Model
 from hybond.model.expressions import Expr, Name, parse
 from hybond.model.expressions.tree import walk
+from hybond.model.parts import Part
 
 DEEPEST = 16
 """Signals that read one another."""
@@ -27,7 +28,7 @@ def _is_given(path: str, model: Model, deep: int) -> bool:
         law = model.signals.get(path)
         return law is None or (deep < DEEPEST and has_levels(parse(str(law)), model, deep + 1))
     part = model.elements.get(owner)
-    if part is None or (part.kind, variable) not in (("Se", "e"), ("Sf", "f")):
+    if not isinstance(part, Part) or (part.kind, variable) not in (("Se", "e"), ("Sf", "f")):
         return False
     value = part.value
     if value is None or deep >= DEEPEST:
