@@ -5,6 +5,7 @@ from __future__ import annotations
 from hybond.circuits.behaviour import PLACE, Law
 from hybond.circuits.formulas import names_in, written
 from hybond.circuits.graph_names import GraphNames
+from hybond.circuits.levels import has_levels
 from hybond.circuits.notices import Line
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts
@@ -17,6 +18,7 @@ from hybond.names import did_you_mean
 
 _UP = {">": ">", ">=": ">", "<": "<", "<=": "<"}
 _DOWN = {">": "<", ">=": "<", "<": ">", "<=": ">"}
+_NOT = {">": "<=", ">=": "<", "<": ">=", "<=": ">"}
 
 
 class Computing:
@@ -72,12 +74,15 @@ class Computing:
         if key not in self._known:
             name = self.names.take(f"{owner}_holds")
             machine = self.names.take(f"{owner}_comparison")
+            there, back = _UP[op], _DOWN[op]
+            if has_levels(comparison, self.model):
+                there, back = op, _NOT[op]
             self.model.machines[machine] = MachinePart(
                 {"no": (), "yes": ()},
                 "yes" if "=" in op else "no",  # as it starts if both sides are equal
                 (
-                    f"no -> yes when {Compare(_UP[op], comparison.left, comparison.right)}",
-                    f"yes -> no when {Compare(_DOWN[op], comparison.left, comparison.right)}",
+                    f"no -> yes when {Compare(there, comparison.left, comparison.right)}",
+                    f"yes -> no when {Compare(back, comparison.left, comparison.right)}",
                 ),
             )
             self.model.signals[name] = f'if {machine}.state == "yes" then 1 else 0'

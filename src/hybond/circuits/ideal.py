@@ -171,6 +171,8 @@ class IdealSwitch:
     """The larger one."""
     inverted: bool
     """Whether the larger one is that above `on`: there it opens."""
+    leak: float
+    """The larger one as it is written, where `beside` takes it as none."""
 
 
 def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
@@ -232,7 +234,7 @@ def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
     inverted = resistance.number > larger.number
     if inverted:
         resistance, larger = larger, resistance
-    beside = larger.number
+    beside = leak = larger.number
     if resistance.number < 0.0 or beside == resistance.number:
         low, high = ("ROFF", "RON") if inverted else ("RON", "ROFF")
         raise branch.line.refuse(
@@ -260,6 +262,7 @@ def ideal_switch(branch: Branch, notices: Notices) -> IdealSwitch:
         resistance if resistance.number or resistance.parametric else None,
         beside,
         inverted,
+        leak,
     )
 
 

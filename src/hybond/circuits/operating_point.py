@@ -4,12 +4,14 @@ At rest no current flows through a capacitor and no voltage drops across a coil.
 of zero stands for each C, a voltage source of zero for each L, and what remains is a circuit
 without storage, whose diodes and switches are settled as any others. Sources that compute do so
 of what is there at rest, at t = 0. Where its solution is not the only one, the start is not a
-matter of the circuit, and the netlist has to say it. An oscillator of comparators has none: each
-makes the other false. It starts as with ``uic``, and a warning says so.
+matter of the circuit, and the netlist has to say it, unless the resistances of its open switches
+do: a capacitor behind a switch that samples holds what leaks to it. An oscillator of comparators
+has none: each makes the other false. It starts as with ``uic``, and a warning says so.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -20,6 +22,7 @@ from hybond.circuits.formulas import evaluate
 from hybond.circuits.graph_names import GraphNames
 from hybond.circuits.leaves import Leaf
 from hybond.circuits.notices import Line, Notices
+from hybond.circuits.numerals import quantity
 from hybond.circuits.opened import GROUND, Branch, Value
 from hybond.circuits.settled_starts import settle_starts
 from hybond.circuits.texts import Texts
@@ -83,7 +86,17 @@ def operating_point(
     still = [_at_rest(leaf) for leaf in cleared]
     still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
     try:
-        values, above = _solve(still, stores, numbers, shown, texts, deck, parameters)
+        try:
+            values, above = _solve(still, stores, numbers, shown, texts, deck, parameters)
+        except FileError as error:
+            still += (leaks := [leak for leaf in still for leak in _leak(leaf)])
+            if not leaks or error.code != "HB-F143":
+                raise
+            try:
+                values, above = _solve(still, stores, numbers, shown, texts, deck, parameters)
+            except HybondError as left:
+                raise (left if left.code == error.code else error) from None
+            _tell_leaks(error, leaks, deck, notices)
     except FileError:
         raise
     except HybondError as error:
@@ -168,6 +181,23 @@ def _at_rest(leaf: Leaf) -> Leaf:
         value = leaf.drive.initial
         return replace(leaf, text=value, drive=Drive(value, None, value, True))
     return leaf
+
+
+def _leak(leaf: Leaf) -> list[Leaf]:
+    """Return what a switch lets through that is taken as open, as a resistor beside it."""
+    ideal = leaf.switch
+    if ideal is None or math.isfinite(ideal.beside) or not math.isfinite(ideal.leak):
+        return []
+    branch = leaf.branch
+    part = Branch(f"{branch.name}_leak", "r", branch.line, branch.a, branch.b)
+    return [Leaf(part, "R", quantity(ideal.leak, "ohm"), beside=branch.key)]
+
+
+def _tell_leaks(error: FileError, leaks: Sequence[Leaf], deck: Deck, notices: Notices) -> None:
+    """Say that the start is that of resistances which are taken as none from there on."""
+    line = leaks[0].branch.line if deck.transient is None else deck.transient.line
+    what = error.why.partition(":")[0]
+    notices.add(line, f"{what} but for ROFF of the switches that are open: it starts from that")
 
 
 def _holding(key: str, value: Value, line: Line) -> Leaf:

@@ -8,6 +8,7 @@ are written in the states that they have while the others stand as the netlist s
 
 from __future__ import annotations
 
+import re
 from copy import copy
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from hybond.errors import HybondError
 from hybond.model.builder import Model
 from hybond.model.parts import MachinePart
 
+_COMPARED = re.compile(r" (?:<=|>=|<|>) ")
 AT_ONCE = 1e-15
 """How long the run is that settles them, s: only its first instant is looked at."""
 
@@ -51,10 +53,10 @@ def remembers(machine: MachinePart) -> bool:
 
     Examples
     --------
-    >>> remembers(MachinePart({"a": (), "b": ()}, "a", ["a -> b when v > 2", "b -> a when v < 2"]))
+    >>> remembers(MachinePart({"a": (), "b": ()}, "a", ["a -> b when v > 2", "b -> a when v <= 2"]))
     False
     >>> remembers(MachinePart({"a": (), "b": ()}, "a", ["a -> b when v > 2", "b -> a when v < 1"]))
     True
     """
     there, back = (rule.partition(" when ")[2] for rule in machine.rules)
-    return there.replace(" > ", " < ") != back.replace(" > ", " < ")
+    return _COMPARED.sub(" ? ", there) != _COMPARED.sub(" ? ", back)

@@ -9,17 +9,22 @@ from hybond.circuits.behaviour import Law, Read, plainly
 from hybond.circuits.computing import Computing
 from hybond.circuits.deck import Deck
 from hybond.circuits.leaves import Leaf
+from hybond.circuits.levels import has_levels
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts, minus
+from hybond.circuits.thresholds import compared, rests_at
 from hybond.circuits.woven import Terms, Woven, written
 from hybond.errors import FileError
 from hybond.model.builder import Model
+from hybond.model.expressions import parse
 from hybond.model.parts import MachinePart, Part
 
 _OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
 _READ = re.compile(r"(?<![\w.])([vi])\(\s*([^\s(),]+)\s*(?:,\s*([^\s(),]+)\s*)?\)", re.IGNORECASE)
+_CARRY_A_CURRENT = "veh"
+"""Kinds whose current is an unknown of SPICE, so that F, H and W may follow it."""
 _GAINS = {"e": "", "g": "A/V", "f": "", "h": "V/A"}
 
 
@@ -110,7 +115,7 @@ class Assembly:
             plus, minus_ = branch.senses
             return written(self.sensing.voltage(plus, minus_, branch.line))
         source = self.sensing.by_key.get(branch.senses[0])
-        if source is None or self.leaves[source].branch.kind != "v":
+        if source is None or self.leaves[source].branch.kind not in _CARRY_A_CURRENT:
             raise branch.line.refuse(
                 f"{branch.senses[0]!r} is no voltage source",
                 code="HB-F134",
@@ -139,12 +144,22 @@ class Assembly:
                 on, off = f"{ideal.on!r} {unit}", f"{ideal.off!r} {unit}"
         name = self.woven.names.take(f"{junction}_state")
         above, below = ("open", "closed") if ideal.inverted else ("closed", "open")
+        up, down = compared(branch, ideal, self.leaves)
+        if not has_levels(parse(sensed), self.model):
+            up, down = ">", "<"
+        if "=" in up + down and rests_at(branch, ideal, self.leaves):
+            side = above if up == ">=" else below
+            self.notices.add(
+                branch.line,
+                f"{branch.name}: what it follows rests at its threshold of {ideal.on:g} {unit}, "
+                f"where it is taken as {side}",
+            )
         self.model.machines[name] = MachinePart(
             {"open": (), "closed": (junction,)},
             above if branch.state == "on" else below,
             (
-                f"{below} -> {above} when {sensed} > {on}",
-                f"{above} -> {below} when {sensed} < {off}",
+                f"{below} -> {above} when {sensed} {up} {on}",
+                f"{above} -> {below} when {sensed} {down} {off}",
             ),
         )
 

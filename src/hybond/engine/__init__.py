@@ -62,6 +62,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
                             beside
             led_up          from nothing known to all that is
             enclosed        one law alone, between two signs
+            swung_over      ... over whose root steps swing from limit to limit
             several, one_root    whether laws may have several solutions
             others          another one, looked for
             branch, followed_records    the one that a motion follows: where Newton's method begins

@@ -62,7 +62,11 @@ def find_standing(e: Engine, g: Settling) -> bool:
             g.entered[k] = g.target[k]
         if found or enter(e, e.t, g.x, g.s, g.entered, True, False) != OK:
             break
-        if comes_back(e, g) or find_enabled(e, g, e.t) <= 0:
+        if comes_back(e, g):
+            break
+        fired = find_enabled(e, g, e.t)
+        found = fired == 0  # rounding has led out of it, and does not again
+        if fired <= 0:
             break
     for k in range(e.model.machines):
         g.entered[k] = g.mark_state[k]

@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_floats, copy_part
+from hybond.engine.algebra.rounding import CANCELS
 from hybond.engine.answers import value
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.inputs.interval import set_time
@@ -149,6 +150,7 @@ def find_agreeing(e: Engine) -> int:
         most = -math.inf
         size = 0.0
         largest = 0.0
+        beside = 0.0
         s.own_jump[j] = 0
         first = 0.0
         for part in range(s.parts):
@@ -166,5 +168,22 @@ def find_agreeing(e: Engine) -> int:
             for i in range(m.surface_first[surface], m.surface_first[surface + 1]):
                 if m.surface_kind[i] == READS_BOND:
                     size = max(size, math.fabs(s.ahead[m.bond_slot + m.surface_index[i]]))
-        s.agrees[j] = 1 if most - least <= AGREES * (size + largest) else 0
+                    beside = max(beside, solved_beside(e, part, m.surface_index[i], s.ahead))
+        rounding = AGREES * (size + largest) + CANCELS * beside
+        s.agrees[j] = 1 if most - least <= rounding else 0
     return OK
+
+
+def solved_beside(e: Engine, part: int, b: int, v: Floats) -> float:
+    """Return the largest of the efforts, or flows, that Newton's method has found together.
+
+    A small one has the rounding of those: the output of a filter that has only just begun.
+    """
+    m = e.model
+    if part_mode(e, part).dynamics == 0:
+        return 0.0
+    first = m.bond_slot + (0 if b < m.bonds else m.bonds)
+    most = 0.0
+    for k in range(m.bonds):
+        most = max(most, math.fabs(v[first + k]))
+    return most

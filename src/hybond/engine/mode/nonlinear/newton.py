@@ -34,6 +34,7 @@ from hybond.engine.mode.nonlinear.newton_system import (
 from hybond.engine.mode.nonlinear.put_back import is_exact, put_back
 from hybond.engine.mode.nonlinear.solved_apart import solved_apart
 from hybond.engine.mode.nonlinear.unseen import step_beside_unseen
+from hybond.engine.mode.nonlinear.swung_over import led_between
 from hybond.engine.mode.rows.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.rows.storage import co_energy, co_energy_of
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
@@ -121,6 +122,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
             r[j] = mode.guess.at[j] if mode.guessed else 0.0
         found = full_steps(e, mode, v, r)
     mode.clear = mode.clear and found and work.swings == 0
+    if not found and work.swings == 0 and led_between(e, mode, v, r):
+        found = full_steps(e, mode, v, r)
     if work.swings > 0:
         found = from_swings(e, mode, v, r)
     if not found:
