@@ -33,8 +33,8 @@ from hybond.engine.mode.nonlinear.newton_system import (
 )
 from hybond.engine.mode.nonlinear.put_back import is_exact, put_back
 from hybond.engine.mode.nonlinear.solved_apart import solved_apart
-from hybond.engine.mode.nonlinear.unseen import step_beside_unseen
 from hybond.engine.mode.nonlinear.swung_over import led_between
+from hybond.engine.mode.nonlinear.unseen import step_beside_unseen
 from hybond.engine.mode.rows.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.rows.storage import co_energy, co_energy_of
 from hybond.engine.reasons.facts import NO_ELEMENT, OVERFLOW, tell_law, tell_laws
