@@ -59,13 +59,6 @@ def swings(law: str) -> hb.Model:
     return m
 
 
-def test_kinks_far_away_are_not_sampled(counted: Counter[str]) -> None:
-    run = hb.simulate(swings("1e-3*max(-1, min(1, e/100.0))"), 6.0, engine="python")
-    # two looks at a step and one where it begins, beside the six stages of it
-    assert counted["newton"] < 11 * run.stats["steps"]
-    assert run.sample([6.0], ["c.q"])["c.q"][0] == pytest.approx(math.cos(6.0), abs=2e-5)
-
-
 def test_what_is_far_from_rest_is_not_led_there_in_trial(counted: Counter[str]) -> None:
     run = hb.simulate(swings("1e-3*sign(e)*sqrt(abs(e))"), 6.0, engine="python")
     assert counted["leads_to_rest"] < run.stats["steps"] / 4

@@ -65,7 +65,8 @@ class Model:
     atom_value: Ints
     atom_size: Ints
     atom_zero: Ints  # the side of zero, 1 or -1, on which a comparison has its truth at zero
-    term_first: Ints  # of each, then of rates of signals: what it is a sum of; slot -1: none
+    term_first: Ints
+    """Of each, then of rates of signals: what it is a sum of, with `atom_level`; slot -1: none."""
     term_slot: Ints
     term_factor: Floats
     atom_level: Floats
@@ -415,7 +416,6 @@ class Model:
     kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
     kink_rooted: Ints  # whether a law takes the root of it, or of what it is a multiple of
-    kink_plain: Ints  # whether nothing that it is made of turns again and again as signals move
     kink_meets: Ints  # whether all that is said of it has one value there as well
     kink_node: Ints  # the element that says it; -1: the rate of a signal
     jumping_gaps: int

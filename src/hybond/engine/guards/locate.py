@@ -29,7 +29,6 @@ from hybond.engine.guards.guard_values import (
     waits_still,
 )
 from hybond.engine.guards.kept_rests import forget_rests
-from hybond.engine.guards.kinks_afar import only_passed, passed_at, stay_on_sides
 from hybond.engine.guards.locator import (
     ALL_PARTS,
     BLOCKS,
@@ -37,7 +36,6 @@ from hybond.engine.guards.locator import (
     FRACTION,
     MOST_BLOCKS,
     NO_KINK,
-    NONE,
     SAMPLES,
     SHALLOW,
     Locator,
@@ -98,15 +96,9 @@ def search(e: Engine, g: Locator) -> int:
         return OK
     if e.model.kinks + e.model.slide_kinks > 0:
         take_sides_of_kinks(e, g)
-    left = 1 if solve_guards(e, g) and not stay_on_sides(e, g) else 0
+    left = 1 if solve_guards(e, g) else 0
     if has_failed(g):
         return REFUSED
-    passed = only_passed(e, g) if left > 0 and g.at == math.inf else NONE
-    if passed != NONE:
-        g.at = passed_at(e, g, passed)
-        if g.at < math.inf:
-            return REFUSED if has_failed(g) else OK
-        g.sampled = False
     blocks = 0
     g.low[0] = e.step.t0
     g.high[0] = e.step.t1
@@ -151,7 +143,6 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             continue
         a = g.atom_first[k]
         here = atom_at(e, g, a, e.step.t0)
-        g.shape[a * SAMPLES] = here
         if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] != 0:
                 continue  # not passed yet

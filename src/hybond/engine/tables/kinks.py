@@ -19,11 +19,9 @@ from hybond.model.expressions import (
     Binary,
     Call,
     Expr,
-    If,
     Name,
     Neg,
     Number,
-    Table,
     ending,
     jumping,
     meets,
@@ -34,7 +32,6 @@ from hybond.model.expressions import (
     uses_pre,
 )
 from hybond.model.expressions.slots import plain
-from hybond.model.expressions.tree import any_kind, calls
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
 
@@ -43,7 +40,6 @@ if TYPE_CHECKING:
 
 FOLLOWED = tuple(METHODS[name] for name in ("rk45", "radau", "exact", "auto", *QUANTISED))
 """Methods that end a step at a kink."""
-PLAIN = frozenset({"abs", "exp", "log", "max", "min", "sinh", "sqrt", "tanh"})
 MOST = 64
 """Most kinks of one expression; a longer table is a curve."""
 
@@ -92,9 +88,8 @@ def put_kinks(t: ModelTables) -> None:
         int(_unscaled(a) in rests and all(meets(e, _unscaled(a)) for e in said.get(a, ())))
         for a in found
     ]
-    t.ints["kink_plain"] = [int(_is_plain(a)) for a in found]
     watched = [*found, *more]
-    for name, nothing in (("plain", 0), ("node", -1), ("rest", -1), ("meets", 0), ("rooted", 0)):
+    for name, nothing in (("node", -1), ("rest", -1), ("meets", 0), ("rooted", 0)):
         t.ints[f"kink_{name}"] += [nothing] * len(more)
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(watched))]
     t.pairs += watched
@@ -128,14 +123,6 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
-
-
-def _is_plain(a: Expr) -> bool:
-    """Whether what is compared is made of signals by what turns once at the most.
-
-    The sine that says where ``floor`` has its steps is not, nor is a table.
-    """
-    return calls(a) <= PLAIN and not any_kind(a, If, Table)
 
 
 def _put_surface_jumps(t: ModelTables, found: dict[Expr, int]) -> list[Expr]:
