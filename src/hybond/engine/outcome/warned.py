@@ -263,11 +263,10 @@ class Warnings:
 
     def _of_swings(self, now: str, storage: int, off: float, size: float) -> str:
         """Say which rate is known less well than the state."""
-        found = self.graph.storages[storage]
-        rate = "flow" if found.kind == "C" else "effort"
+        path, rate = self._rate_of(storage)
         return (
             f"from {now[3:]} on, steps swing about a law that is steeper there than the tolerance "
-            f"of what it reads: what {found.path} stores is within that, but its {rate} is off by "
+            f"of what it reads: what {path} stores is within that, but its {rate} is off by "
             f"{off:.2g} (of {size:.2g} at most), and so is what the law says; a smaller rtol makes "
             "it less, a larger C or I beside that law ends it"
         )
@@ -276,16 +275,20 @@ class Warnings:
         self, now: str, storage: int, lasts: float, most: float, moves: float, at: float
     ) -> str:
         """Say which flow is not what has moved a storage, by how much, and what serves."""
-        found = self.graph.storages[storage]
-        rate = "flow" if found.kind == "C" else "effort"
+        path, rate = self._rate_of(storage)
         return (
-            f"from {now[3:]} on, for {lasts:.3g} s, the {rate} of {found.path} is not what fills "
-            f"it, and so is what laws beside it say: by up to {most:.2g} at t = {at:.6g} s, where "
+            f"from {now[3:]} on, for {lasts:.3g} s, the {rate} of {path} is not what fills it, and "
+            f"what laws beside it say is off as well: by up to {most:.2g} at t = {at:.6g} s, where "
             f"{moves:.3g} fills it. What drives it is a difference far below the tolerance of what "
             f"is stored, or rounding of it, and a law that is steep there makes much of that; "
-            f"what {found.path} stores is right. A linear part beside that law, as r*f beside "
+            f"what {path} stores is right. A linear part beside that law, as r*f beside "
             "k*f*abs(f), ends it"
         )
+
+    def _rate_of(self, storage: int) -> tuple[str, str]:
+        """Return the path of a storage, and which variable of its bond is its rate."""
+        found = self.graph.storages[storage]
+        return found.path, "flow" if found.kind == "C" else "effort"
 
     def _of_another(
         self, now: str, why: int, element: int, variable: int, here: float, there: float
