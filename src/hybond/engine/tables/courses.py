@@ -8,6 +8,7 @@ argument moves.
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from hybond.engine.expressions import code as c
@@ -64,6 +65,12 @@ TURNING = ("sin", "cos", "tan", "mod", "exp", "tanh", "cosh", "sinh")
 """Functions by which what moves evenly can do something in no time."""
 _RISING = ("exp", "tanh", "sinh")
 """Those of them that only go one way: alone, one of them goes there and does not come back."""
+_LEVEL = ("log", "log10", "atan", "acos", "asin")
+"""Functions that are all but level from far: where they dip no polynomial of a step shows it."""
+_ONE_WAY = (*_RISING, *_LEVEL, "sqrt")
+"""Functions that go one way where they have a value; ``1/x`` does so too."""
+MOST_SHOWN = 4.0
+"""Powers up to which a polynomial through samples of a step does."""
 _ARITHMETIC = {"+": c.ADD, "-": c.SUBTRACT, "*": c.MULTIPLY, "/": c.DIVIDE, "^": c.RAISE}
 _CALLED = {"abs": c.ABSOLUTE, "sign": c.SIGN, "hypot": c.LENGTH, "min": c.LEAST, "max": c.GREATEST}
 _COMPARED = {"<": LESS, "<=": LESS, ">": GREATER, ">=": GREATER, "==": SAME, "!=": SAME}
@@ -76,11 +83,11 @@ def put_courses(t: ModelTables) -> None:
     wholes: dict[Expr, int] = {}
     phases: set[Expr] = set()
     before = Beforehand(t)
-    for e, user in _read(t):
+    for e, user, compared in _read(t):
         own = _own(t, user)
-        for whole in (*_timed_parts(before, e), *_phased(before, e, user, own)):
+        for whole in (*_timed_parts(before, e), *_phased(before, e, user, compared, own)):
             for term in _terms(whole):
-                phased = _has_phase(before, term, own)
+                phased = _has_phase(before, term, compared, own)
                 if _bends(term) and (phased or before.covers(term)):
                     if term not in group:
                         group[term] = wholes.setdefault(whole, len(wholes))
@@ -104,28 +111,28 @@ def put_courses(t: ModelTables) -> None:
     t.numbers["course_plants"] = len(made.plants)
 
 
-def _read(t: ModelTables) -> Iterator[tuple[Expr, tuple[int, int]]]:
-    """Yield what a step evaluates, and what it ends at, with when that counts."""
+def _read(t: ModelTables) -> Iterator[tuple[Expr, tuple[int, int], bool]]:
+    """Yield what a step evaluates, and what it ends at, with when that counts, and which it is."""
     for k, number in enumerate(t.ints["source_value"]):
         if number >= 0:
-            yield t.values.all[number], (OF_SOURCE, k)
+            yield t.values.all[number], (OF_SOURCE, k), False
     for number, node in zip(t.ints["dynamic_value"], t.ints["dynamic_node"], strict=True):
-        yield t.values.all[number], (ALWAYS, node + 1)
+        yield t.values.all[number], (ALWAYS, node + 1), False
     for name in ("co_energy", "integral_rate"):
         for number in t.ints[name]:
             if number >= 0:
-                yield t.values.all[number], (ALWAYS, 0)
+                yield t.values.all[number], (ALWAYS, 0), False
     for name in ("port_limit", "port_gap", "port_gate"):
         for number in t.ints[name]:
             if number >= 0:
-                yield t.values.all[number], (ALWAYS, 0)
+                yield t.values.all[number], (ALWAYS, 0), False
     first = t.ints["atom_first"]
     for rule, watched in enumerate(t.ints["rule_watched"]):
         for a in range(first[rule], first[rule + 1]) if watched else ():
-            yield t.values.all[t.ints["atom_value"][a]], (OF_RULE, rule)
+            yield t.values.all[t.ints["atom_value"][a]], (OF_RULE, rule), True
     for k, switch in enumerate(t.ints["kink_switch"]):
         number = t.ints["atom_value"][int(t.numbers["kink_atom"]) + k]
-        yield t.values.all[number], (OF_SWITCH, switch) if switch >= 0 else (ALWAYS, 0)
+        yield t.values.all[number], (OF_SWITCH, switch) if switch >= 0 else (ALWAYS, 0), True
 
 
 def _place_of(t: ModelTables, user: int, which: int) -> int:
@@ -164,29 +171,52 @@ def _own(t: ModelTables, user: tuple[int, int]) -> frozenset[str]:
     return frozenset((f"e:{bond}", f"f:{bond}"))
 
 
-def _phased(before: Beforehand, e: Expr, user: tuple[int, int], own: frozenset[str]) -> list[Expr]:
+def _phased(
+    before: Beforehand, e: Expr, user: tuple[int, int], compared: bool, own: frozenset[str]
+) -> list[Expr]:
     """Return an expression if a phase of the plant turns something in it, and may turn it back.
 
     What does not come back is seen at the end of a step: there a rate is another one. What time
     alone does in it is a course for itself; beside it the plant goes against it where a loop is
     closed, and what both leave is far smaller than either. A guard is no rate.
     """
-    if uses_pre(e) or user[0] == OF_SWITCH or not _has_phase(before, e, own):
+    if uses_pre(e) or not _has_phase(before, e, compared, own):
         return []
-    timed = None if user[0] == OF_RULE else before
+    timed = None if compared else before
     return [] if _rises(stable(e), timed) <= 1 else [e]
 
 
-def _has_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
+def _has_phase(before: Beforehand, e: Expr, compared: bool, own: frozenset[str]) -> bool:
     """Whether a function in it reads a phase that the plant moves, and all else is there to see."""
     if any(n.startswith("u:") and not before.is_known(n) for n in names(e)):
         return False
-    return any(
-        _is_phase(before, argument, own)
+    turned = (
+        argument
         for part, _ in walk(e)
         if isinstance(part, Call) and part.function in TURNING
         for argument in part.args
     )
+    dipping = _dipping(e) if compared else ()
+    return any(_is_phase(before, argument, own) for argument in chain(turned, dipping))
+
+
+def _dipping(e: Expr) -> Iterator[Expr]:
+    """Yield what moves in a comparison that may dip unseen, and come back: ``1/(1 + x^2) - 0.5``.
+
+    What is a polynomial of the state is one of a step, which shows where it dips.
+    """
+    if _rises(e, None, _ONE_WAY) <= 1:
+        return
+    for part, _ in walk(e):
+        match part:
+            case Call(function, (a,)) if function in _LEVEL:
+                yield a
+            case Binary("/", _, b):
+                yield b
+            case Binary("^", a, Number(n)) if n not in (1.0, 2.0, 3.0, MOST_SHOWN):
+                yield a
+            case Binary("^", _, b) if not isinstance(b, Number):
+                yield b
 
 
 def _is_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
@@ -198,7 +228,7 @@ def _is_phase(before: Beforehand, e: Expr, own: frozenset[str]) -> bool:
     return plant and any(before.moves(n) or (n.startswith(PLANT) and n not in own) for n in read)
 
 
-def _rises(e: Expr, timed: Beforehand | None) -> int:
+def _rises(e: Expr, timed: Beforehand | None, rising: tuple[str, ...] = _RISING) -> int:
     """Return how many functions rise in what is even otherwise in the plant and time; 2: or other.
 
     ``tanh(k*(a - b)) + c*a`` has one; the difference of two is a pulse, and so is their product.
@@ -206,20 +236,22 @@ def _rises(e: Expr, timed: Beforehand | None) -> int:
     """
     match e:
         case Neg(a):
-            return _rises(a, timed)
+            return _rises(a, timed, rising)
         case Binary(op="+" | "-"):
-            return _rises(e.left, timed) + _rises(e.right, timed)
+            return _rises(e.left, timed, rising) + _rises(e.right, timed, rising)
         case Binary(op="*", left=a, right=b) if not (_is_moved(a, timed) and _is_moved(b, timed)):
-            return _rises(a, timed) + _rises(b, timed)
+            return _rises(a, timed, rising) + _rises(b, timed, rising)
         case Binary(op="/", left=a, right=b) if not _is_moved(b, timed):
-            return _rises(a, timed)
+            return _rises(a, timed, rising)
         case (
             Binary(op="/", left=a, right=Binary("+", Number(n), Call("exp") as b))
             | Binary(op="/", left=a, right=Binary("+", Call("exp") as b, Number(n)))
         ) if n >= 0.0 and not _is_moved(a, timed):
-            return _rises(b, timed)
-        case Call(function, (a,)) if function in _RISING and _is_moved(e, timed):
-            return max(1, _rises(a, timed))
+            return _rises(b, timed, rising)
+        case Call(function, (a,)) if function in rising and _is_moved(e, timed):
+            return max(1, _rises(a, timed, rising))
+        case Binary(op="/", left=a, right=b) if rising is not _RISING and not _is_moved(a, timed):
+            return max(1, _rises(b, timed, rising))
         case Name(path):
             return 2 if path.startswith("u:") and _is_moved(e, timed) else 0
     return 2 if _is_moved(e, timed) else 0
