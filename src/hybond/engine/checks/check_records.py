@@ -26,6 +26,8 @@ class Checks:
     magnitude: Floats
     largest: Floats
     """The largest bond variable of each class that the run has seen at its checks."""
+    lasting: Floats
+    """Likewise, but for those at the end of a step in no time: what was there for a moment."""
     due: int
     """How many evaluations the run will have made when it is looked at again."""
     looks: int
@@ -130,6 +132,7 @@ def make_checks(m: Model) -> Checks:
     c.lost = floats(2 * m.bonds)
     c.magnitude = floats(2 * m.bonds)
     c.largest = floats(m.classes)
+    c.lasting = floats(m.classes)
     rules = m.rule_first[m.machines]
     c.said = ints(
         m.elements

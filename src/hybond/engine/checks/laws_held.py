@@ -45,6 +45,8 @@ LOST_DIGITS: Final = 1e-13
 SOLVED_FROM: Final = 4
 """Roundings of what a field stores where it is held to what other ports store: an entry divided by
 another, a product, what is stored itself, and a product in the law."""
+LASTS: Final = 1e-6
+"""Part of the run from which on a step ends at what was not there for a moment alone."""
 SPARSE: Final = 512
 SOON: Final = 8
 """Evaluations from one look to the next at the least; then as many as there were."""
@@ -142,11 +144,14 @@ def measure_bonds(e: Engine, mode: Mode) -> None:
     m = e.model
     c = e.checks
     most = 0.0
+    step = e.step.t1 - e.step.t0
+    lasts = step >= LASTS * e.span
     for k in range(2 * m.bonds):
         size = math.fabs(c.v[m.bond_slot + k])
         c.magnitude[k] = size
         kind = m.bond_class[k]
         c.largest[kind] = max(c.largest[kind], size)
+        c.lasting[kind] = max(c.lasting[kind], size) if lasts else c.lasting[kind]
         most = max(most, size)
         if not size <= MOST:
             c.unbounded = k

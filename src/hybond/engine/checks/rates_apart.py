@@ -17,8 +17,10 @@ from hybond.engine.reasons.warned import RATES_APART, add_about, begin_warning
 
 OF_ITSELF: Final = 0.01
 """Part of itself that a rate may be apart without a word."""
-OF_LARGEST: Final = 25.0
-"""Likewise of the largest of its kind, in tolerances: implicit steps ask no more of rates."""
+OF_LASTING: Final = 25.0
+"""Likewise of the largest of its kind, in tolerances: implicit steps ask no more of rates ..."""
+FINEST: Final = 1e-4
+"""... and no less than this part of it, which nobody sees."""
 LONG: Final = 1e-3
 """Part of the run that is long."""
 NOTHING: Final = 0.1
@@ -54,9 +56,13 @@ def count_rates_apart(e: Engine) -> None:
 
 
 def most_unseen(e: Engine, k: int) -> float:
-    """Return how far a rate may be apart beside the largest of its kind so far."""
+    """Return how far a rate may be apart beside the largest of its kind that was not gone at once.
+
+    Steps that are about to be found too long may have led to far larger ones, for a moment.
+    """
     m = e.model
-    return OF_LARGEST * m.rtol * e.checks.largest[m.bond_class[rate_bond(m, k)]]
+    part = max(OF_LASTING * m.rtol, FINEST)
+    return part * e.checks.lasting[m.bond_class[rate_bond(m, k)]]
 
 
 def tell_rates_apart(e: Engine) -> None:

@@ -151,6 +151,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_floats(c, m.integrals, e.least_signal)
     carry_floats(c, (m.storages + 1) * m.impulse_kinds, e.largest)
     carry_floats(c, m.classes, e.checks.largest)
+    carry_floats(c, m.classes, e.checks.lasting)
     if m.laws > 0:
         carry_floats(c, m.ports, e.laws.largest)
         carry_floats(c, m.ports, e.laws.largest_limit)
