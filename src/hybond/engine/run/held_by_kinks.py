@@ -150,12 +150,15 @@ def along(e: Engine, r: Run, atom: int, h: float) -> float:
 
 def compared(e: Engine, g: Locator, atom: int, t: float) -> float:
     """Return a difference that is watched, at the state in `g.y`; nan if it has no value."""
+    return value(e.model, atom, e.v) if has_values(e, g, t) else math.nan
+
+
+def has_values(e: Engine, g: Locator, t: float) -> bool:
+    """Put what is watched reads there, at the state in `g.y`; whether there is any."""
     show(e, g, ALL_PARTS)
     g.looked = math.nan
     set_motion(e, e.v, t, g.y)
-    if solve_read_here(e, e.mode, g.reads, e.v) != OK:
-        return math.nan
-    return value(e.model, atom, e.v)
+    return solve_read_here(e, e.mode, g.reads, e.v) == OK
 
 
 def rates_beside(e: Engine, r: Run, at: float, wide: float) -> bool:

@@ -12,12 +12,13 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_floats, copy_part
+from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.guards.locator import NO_KINK
+from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.tolerances.scale import widest_tolerance
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
-from hybond.engine.run.held_by_kinks import compared
+from hybond.engine.run.held_by_kinks import compared, has_values
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
 from hybond.engine.words import Floats
@@ -43,10 +44,15 @@ PASSES: Final = 4
 def rest_at_roots(e: Engine, r: Run) -> None:
     """Put the present state at rest where the roots of laws have all but brought it there."""
     g = r.locator
-    m = e.model
-    for k in range(g.guards if m.kinks > 0 and e.slide.k == 0 else 0):
-        kink = g.atom[g.atom_first[k]] - m.kink_atom
-        if g.side[k] == NO_KINK or m.kink_rest[kink] < 0:
+    seen = False
+    for k in range(g.guards if e.model.kinks > 0 and e.slide.k == 0 else 0):
+        kink = rest_of_guard(e, g, k)
+        if kink < 0:
+            continue
+        if not seen:
+            see_rests(e, r)
+            seen = True
+        if is_far_from_rest(r, kink):
             continue
         refusal = e.refusal
         # the straight way leads far beyond where a storage bends: nothing of that is to be kept
@@ -57,8 +63,73 @@ def rest_at_roots(e: Engine, r: Run) -> None:
             copy_floats(e.states, r.after, e.y)
             if by_radau(e):
                 e.radau.known = False  # stages that go on from the last ones leave rest
+            seen = False
         g.looked = math.nan
         e.refusal = refusal
+
+
+def rest_of_guard(e: Engine, g: Locator, k: int) -> int:
+    """Return the kink that is watched as guard k, if it has a rest; else -1."""
+    kink = g.atom[g.atom_first[k]] - e.model.kink_atom
+    return -1 if g.side[k] == NO_KINK or e.model.kink_rest[kink] < 0 else kink
+
+
+def see_rests(e: Engine, r: Run) -> None:
+    """Find how far all that is compared is from rest, and now and then what steps leave open of it.
+
+    That is looked at anew in another mode, after some steps, or nearer by or farther off: laws
+    bend. One solution at a state tells of all of them.
+    """
+    g = r.locator
+    refusal = e.refusal
+    hold_guess(e, e.mode)
+    copy_floats(e.states, e.y, g.y)
+    known = has_values(e, g, e.t)
+    due = False
+    for k in range(e.model.kinks):
+        r.rest_due[k] = 0
+    for k in range(g.guards):
+        kink = rest_of_guard(e, g, k)
+        if kink < 0:
+            continue
+        r.rest_here[kink] = value(e.model, e.model.kink_rest[kink], e.v) if known else math.nan
+        size = math.fabs(r.rest_here[kink])
+        lately = r.rest_mode[kink] == e.mode.made and r.rest_asked[kink] < LOOKED
+        lately = lately and size > NEARER * r.rest_away[kink]
+        lately = lately and NEARER * size < r.rest_away[kink]
+        r.rest_due[kink] = 0 if lately or size == 0.0 or not math.isfinite(size) else 1
+        r.rest_asked[kink] += 1
+        due = due or r.rest_due[kink] != 0
+    if due:
+        see_errors(e, r)
+    give_back_guess(e, e.mode)
+    g.looked = math.nan
+    e.refusal = refusal
+
+
+def see_errors(e: Engine, r: Run) -> None:
+    """See by how much what is due moves with all states, each moved by a step's error."""
+    g = r.locator
+    for k in range(e.model.kinks):
+        if r.rest_due[k] != 0:
+            r.rest_moved[k] = 0.0
+            r.rest_away[k] = math.fabs(r.rest_here[k])
+            r.rest_mode[k] = e.mode.made
+            r.rest_asked[k] = 1
+    widest_tolerance(e, e.y, r.beside)
+    for i in range(e.states):
+        copy_floats(e.states, e.y, g.y)
+        g.y[i] += r.beside[i]
+        known = has_values(e, g, e.t)
+        for k in range(e.model.kinks):
+            if r.rest_due[k] != 0:
+                there = value(e.model, e.model.kink_rest[k], e.v) if known else math.nan
+                r.rest_moved[k] += math.fabs(there - r.rest_here[k])
+
+
+def is_far_from_rest(r: Run, k: int) -> bool:
+    """Whether the error of a step is next to nothing of what is away from rest at kink k."""
+    return math.fabs(r.rest_here[k]) > FAR * r.rest_moved[k]
 
 
 def goes_to_rest(e: Engine, r: Run, k: int) -> bool:
@@ -69,8 +140,8 @@ def goes_to_rest(e: Engine, r: Run, k: int) -> bool:
     """
     atom = e.model.kink_rest[k]
     kink = e.model.atom_value[e.model.kink_atom + k]
-    away = at_state(e, r, atom, e.y)
-    if away == 0.0 or not math.isfinite(away) or is_far_from_rest(e, r, k, away):
+    away = r.rest_here[k]
+    if away == 0.0 or not math.isfinite(away):
         return False
     if field(e, e.mode, e.t, e.y, r.rate) != OK:
         return False
@@ -98,34 +169,6 @@ def goes_to_rest(e: Engine, r: Run, k: int) -> bool:
     if rests and by_radau(e) and is_moved_on(e, r, atom, left, seen, most):
         return False
     return rests and math.fabs(speed_of(e, r, atom, r.after, left)) <= most
-
-
-def is_far_from_rest(e: Engine, r: Run, k: int, away: float) -> bool:
-    """Whether the error of a step is next to nothing of what is away from rest at kink k.
-
-    It was when that was looked at last, in this mode, not long ago and from nearly as far away.
-    """
-    size = math.fabs(away)
-    known = r.rest_mode[k] == e.mode.made and r.rest_asked[k] < LOOKED
-    if not (known and size > NEARER * r.rest_away[k] and NEARER * size < r.rest_away[k]):
-        r.rest_moved[k] = moved_by_errors(e, r, e.model.kink_rest[k], away)
-        r.rest_away[k] = size
-        r.rest_mode[k] = e.mode.made
-        r.rest_asked[k] = 0
-    r.rest_asked[k] += 1
-    return size > FAR * r.rest_moved[k]
-
-
-def moved_by_errors(e: Engine, r: Run, atom: int, away: float) -> float:
-    """Return by how much what is compared moves with all states, each moved by a step's error."""
-    g = r.locator
-    total = 0.0
-    widest_tolerance(e, e.y, r.beside)
-    for i in range(e.states):
-        copy_floats(e.states, e.y, g.y)
-        g.y[i] += r.beside[i]
-        total += math.fabs(compared(e, g, atom, e.t) - away)
-    return total
 
 
 def is_moved_on(e: Engine, r: Run, atom: int, left: float, h: float, most: float) -> bool:

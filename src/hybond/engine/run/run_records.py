@@ -58,6 +58,9 @@ class Run:
     """Of each kink: what was compared when it was seen last by how much the error of a step moves
     it, that much, and the number of the mode; how often it was asked for since."""
     rest_moved: Floats
+    rest_here: Floats
+    """What is compared at the present state; whether it is due to be looked at anew."""
+    rest_due: Ints
     rest_mode: Ints
     rest_asked: Ints
     kinks: int
@@ -161,6 +164,8 @@ def make_run(e: Engine, report: Report) -> Run:
     r.kink_at = floats(IDLE + 1)
     r.rest_away = floats(e.model.kinks)
     r.rest_moved = floats(e.model.kinks)
+    r.rest_here = floats(e.model.kinks)
+    r.rest_due = ints(e.model.kinks)
     r.rest_mode = ints(e.model.kinks)
     r.rest_asked = ints(e.model.kinks)
     r.rate = floats(e.states)
