@@ -49,6 +49,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             elimination_of_another      those of a mode that differs in some
             drift           whether a small coefficient is rounding of what is given
             sources_of_time             sources that time alone moves
+            acting, acting_records      which states act on which rates
         nonlinear/
             newton, newton_system, newton_step, dynamic_rows    Newton's method: what it makes zero,
                             its step, by which laws
@@ -130,6 +131,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
                             steps
             nearer_slopes, radau_factors    slopes over shorter differences; what is solved for
             rates_in_stages    what errors leave in rates at their stages
+            columns_together    slopes by many states at once
             hidden_peaks    what laws that bend do within a step, and nowhere it has looked
             stiffness       when ``auto`` goes over to them, and back
             beside_kinks    slopes of the side of a kink on which a step is

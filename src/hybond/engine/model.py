@@ -95,8 +95,7 @@ class Model:
     """0: the state of a machine, 1: a comparison of time, 2: the level of an input."""
     select_index: Ints
     select_many: Ints
-    element_first: Ints
-    """Of each element: its parts, in `element_part`, in the order of what selects."""
+    element_first: Ints  # its parts, in `element_part`, in the order of what selects
     element_part: Ints
     part_power: Ints
     """Of each part: its first row of the power structure; its laws follow; then the next part's."""
@@ -122,8 +121,7 @@ class Model:
     dynamic_rounding: Ints  # what rounding of it is measured by
     dynamic_partner: Ints  # of a law that gives one variable of a bond: the other one, or -1
     dynamic_way: Floats  # the sign with which a resistance beside the law would add that
-    dynamic_follows: Ints
-    """Whether it is that of a two-port whose modulus may jump with what is stored."""
+    dynamic_follows: Ints  # whether it is a two-port whose modulus may jump with what is stored
     dynamic_affine: Ints  # whether its slopes do not read bond variables
     dynamic_jumps: Ints  # 1: a law that jumps where what it reads is zero, 2: bends or is flat
     dynamic_breaks: Ints  # whether it may jump anywhere
@@ -132,6 +130,8 @@ class Model:
     free_column: Ints
     law_reads: Ints  # of each row: the first of the bond variables that it reads, ...
     law_column: Ints  # ... whether it has a slope by them or not
+    hang_first: Ints  # of each source, dynamic row, storage, integrated signal: ...
+    hang_slot: Ints  # ... the values that it hangs on
     slope_first: Ints
     slope_column: Ints
     slope_value: Ints

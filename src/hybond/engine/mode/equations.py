@@ -223,6 +223,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     take_free_rest(built, mode)
     divide_rows(m, mode)
     find_groups(m, mode)
+    mode.acting.known = False
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees

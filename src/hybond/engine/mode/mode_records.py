@@ -17,6 +17,7 @@ from hybond.engine.mode.comparisons.standing_records import Stood, make_stood
 from hybond.engine.mode.comparisons.sum_records import Sums, make_sums
 from hybond.engine.mode.nonlinear.apart_records import Apart, make_apart
 from hybond.engine.mode.nonlinear.followed_records import Branch, make_branch
+from hybond.engine.mode.rows.acting_records import Acting, make_acting
 from hybond.engine.model import Model
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
@@ -224,6 +225,7 @@ class Mode:
     unseen_ways: Block
     unseen_held: Places
     apart: Apart
+    acting: Acting
     leakage: Leakage
     loose: int
     freedom: Block
@@ -401,6 +403,7 @@ def make_mode(m: Model) -> Mode:
     mode.unseen_ways = make_block(1)
     mode.unseen_held = make_places(1)
     mode.apart = make_apart()
+    mode.acting = make_acting()
     mode.leakage = make_leakage()
     mode.freedom = make_block(1)
     mode.guess = make_block(1)

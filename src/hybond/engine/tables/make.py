@@ -12,6 +12,7 @@ from hybond.engine.tables.contacts import limit_at_rest, put_contacts
 from hybond.engine.tables.courses import put_courses
 from hybond.engine.tables.elements import put_elements
 from hybond.engine.tables.followers import put_followers
+from hybond.engine.tables.hangs import put_hangs
 from hybond.engine.tables.islands import put_islands
 from hybond.engine.tables.kinks import put_kinks
 from hybond.engine.tables.laws import put_laws
@@ -72,6 +73,7 @@ def tables_of(
     _priors(t)
     put_laws(t)
     put_acting(t)
+    put_hangs(t)
     put_surfaces(t)
     put_followers(t)
     put_kinks(t)

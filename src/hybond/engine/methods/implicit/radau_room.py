@@ -125,6 +125,10 @@ class Radau:
     part: Places
     parts: int
     taken: Ints
+    delta: Floats
+    """What each state is shifted by for its slopes; whether that was done with others together."""
+    together: Ints
+    acting_room: Places
     """The states that it is of, and how many; which are among them."""
     whole_row: Places
     left_over: Block
@@ -221,6 +225,9 @@ def make_radau(n: int) -> Radau:
     r.whole = make_block(1)
     r.part = make_places(n)
     r.taken = ints(n)
+    r.delta = floats(n)
+    r.together = ints(n)
+    r.acting_room = make_places(1)
     r.whole_row = make_places(1)
     r.left_over = make_block(1)
     r.kept = make_block(1)

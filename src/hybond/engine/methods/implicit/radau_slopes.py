@@ -13,7 +13,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.rounding import EPSILON
-from hybond.engine.algebra.twofold import product_rest, sum_rest
+from hybond.engine.algebra.twofold import sum_rest
 from hybond.engine.engine import NOT_FINITE, OK, Engine
 from hybond.engine.methods.implicit.beside_kinks import (
     come_back,
@@ -22,6 +22,7 @@ from hybond.engine.methods.implicit.beside_kinks import (
     see_sides,
     stay_on_side,
 )
+from hybond.engine.methods.implicit.columns_together import put_slope, take_together
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import FRESH_MATRIX, rate_at
 from hybond.engine.methods.linear.graded import fast_from
@@ -122,40 +123,14 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     for i in range(n):
         r.shifted[i] = r.y0[i]
     for j in range(n):
-        size = max(math.fabs(r.y0[j]), r.other[j] / rtol)
-        if size == 0.0 and j < e.model.storages:
-            # at rest: as far as rates move it in a moment; a unit may be far beyond what laws see
-            size = e.rounding[j] / ROUNDED
-        if size == 0.0 and j >= e.model.storages:
-            size = SHORT * e.span * math.fabs(r.f0[j])
-        if j < e.model.storages:
-            size = within_bent(e, j, r.y0, size)
-        r.made_for[j] = size
-        if only_shown(e, j):
-            for i in range(n):
-                put_slope(r, i * n + j, 0.0, 0.0, 1.0, closely)
-            continue
-        if size == 0.0:
-            size = 1.0
-        delta = r.nearer * math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
-        found = nearest(e, r, j, delta) if e.model.bends > 0.0 else NOT_FINITE
-        for _ in range(NEARER if e.model.edges > 0 else 1):
-            if found == OK:
-                break
-            found = beside(e, r, j, delta)
-            delta *= RADAU_NEAR
-        if one_side and found == OK and is_beyond(e, r):
-            found = stay_on_side(e, r, j)
-        width = r.shifted[j] - r.y0[j]
-        for i in range(n):
-            # off its constraints, or where laws end or jump, a state may have no rates; nothing
-            # moves it there
-            change = r.end[i] - r.f0[i] if found == OK else 0.0
-            rest = 0.0
-            if closely and found == OK:
-                rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
-            put_slope(r, i * n + j, change, rest, width, closely)
-        r.shifted[j] = r.y0[j]
+        r.delta[j] = way_of_shift(e, r, j, rtol)
+    for j in range(n):
+        r.together[j] = 0
+    if e.model.bends == 0.0 and not one_side:
+        take_together(e, r, r.t0, r.y0, 0, r.f0, closely)
+    for j in range(n):
+        if r.together[j] == 0:
+            take_alone(e, r, j, one_side, closely)
     if behind:
         come_back(r)
     know_settling(e, r.jacobian)
@@ -165,16 +140,50 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     r.made += 1
 
 
-def put_slope(r: Radau, at: int, change: float, rest: float, width: float, closely: bool) -> None:
-    """Put what a rate changes by, over a width, into the Jacobian; `closely` with its rest."""
-    r.jacobian[at] = change / width
-    if not closely:
+def way_of_shift(e: Engine, r: Radau, j: int, rtol: float) -> float:
+    """Return what a state is shifted by, in the direction of its motion; 0: no rate reads it."""
+    size = max(math.fabs(r.y0[j]), r.other[j] / rtol)
+    if size == 0.0 and j < e.model.storages:
+        # at rest: as far as rates move it in a moment; a unit may be far beyond what laws see
+        size = e.rounding[j] / ROUNDED
+    if size == 0.0 and j >= e.model.storages:
+        size = SHORT * e.span * math.fabs(r.f0[j])
+    if j < e.model.storages:
+        size = within_bent(e, j, r.y0, size)
+    r.made_for[j] = size
+    if only_shown(e, j):
+        return 0.0
+    if size == 0.0:
+        size = 1.0
+    return r.nearer * math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
+
+
+def take_alone(e: Engine, r: Radau, j: int, one_side: bool, closely: bool) -> None:
+    """Put the slopes by one state into the Jacobian, with nothing else shifted."""
+    n = r.n
+    delta = r.delta[j]
+    if delta == 0.0:
+        for i in range(n):
+            put_slope(r, i * n + j, 0.0, 0.0, 1.0, closely)
         return
-    slope = r.jacobian[at]
-    product = slope * width
-    left = ((change - product) - product_rest(slope, width, product) + rest) / width
-    r.jacobian[at] = slope + left
-    r.jacobian_rest.at[at] = sum_rest(slope, left, r.jacobian[at])
+    found = nearest(e, r, j, delta) if e.model.bends > 0.0 else NOT_FINITE
+    for _ in range(NEARER if e.model.edges > 0 else 1):
+        if found == OK:
+            break
+        found = beside(e, r, j, delta)
+        delta *= RADAU_NEAR
+    if one_side and found == OK and is_beyond(e, r):
+        found = stay_on_side(e, r, j)
+    width = r.shifted[j] - r.y0[j]
+    for i in range(n):
+        # off its constraints, or where laws end or jump, a state may have no rates; nothing
+        # moves it there
+        change = r.end[i] - r.f0[i] if found == OK else 0.0
+        rest = 0.0
+        if closely and found == OK:
+            rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
+        put_slope(r, i * n + j, change, rest, width, closely)
+    r.shifted[j] = r.y0[j]
 
 
 def only_shown(e: Engine, j: int) -> bool:

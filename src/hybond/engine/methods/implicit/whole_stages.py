@@ -13,6 +13,7 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.implicit.columns_together import take_together
 from hybond.engine.methods.implicit.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import rate_at, stage_time
@@ -115,6 +116,8 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float, shift: float) -> None:
     r.twofold_from = math.inf
     t = stage_time(r, s)
     copy_part(n, r.y, s * n, r.shifted, 0)
+    for j in range(n):
+        r.delta[j] = 0.0
     for a in range(r.parts):
         j = r.part.at[a]
         here = r.shifted[j]
@@ -123,15 +126,27 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float, shift: float) -> None:
         if moved > 0.0:
             # an edge that is not at zero is as far as the state has moved from there
             delta = min(delta, max(NEAR * moved, LAST * math.fabs(here)))
-        found = delta > 0.0
-        if found:
-            r.shifted[j] = here + delta
+        r.delta[j] = delta
+    take_together(e, r, t, r.y, s * n, r.f, False)
+    for a in range(r.parts):
+        if r.together[r.part.at[a]] == 0:
+            take_alone_at(e, r, s, r.part.at[a])
+
+
+def take_alone_at(e: Engine, r: Radau, s: int, j: int) -> None:
+    """Put the slopes by one state at a stage into the Jacobian, with nothing else shifted."""
+    n = r.n
+    t = stage_time(r, s)
+    here = r.shifted[j]
+    found = r.delta[j] > 0.0
+    if found:
+        r.shifted[j] = here + r.delta[j]
+        found = rate_at(e, n, t, r.shifted, r.end) == OK
+        if not found:
+            r.shifted[j] = here - r.delta[j]
             found = rate_at(e, n, t, r.shifted, r.end) == OK
-            if not found:
-                r.shifted[j] = here - delta
-                found = rate_at(e, n, t, r.shifted, r.end) == OK
-        width = r.shifted[j] - here
-        for i in range(n):
-            change = r.end[i] - r.f[s * n + i] if found and width != 0.0 else 0.0
-            r.jacobian[i * n + j] = change / width if change != 0.0 else 0.0
-        r.shifted[j] = here
+    width = r.shifted[j] - here
+    for i in range(n):
+        change = r.end[i] - r.f[s * n + i] if found and width != 0.0 else 0.0
+        r.jacobian[i * n + j] = change / width if change != 0.0 else 0.0
+    r.shifted[j] = here
