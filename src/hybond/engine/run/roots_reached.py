@@ -77,8 +77,8 @@ def rest_of_guard(e: Engine, g: Locator, k: int) -> int:
 def see_rests(e: Engine, r: Run) -> None:
     """Find how far all that is compared is from rest, and now and then what steps leave open of it.
 
-    That is looked at anew in another mode, after some steps, or nearer by or farther off: laws
-    bend. One solution at a state tells of all of them.
+    That is looked at anew in another mode, after some steps, or where one is nearer by or farther
+    off: laws bend. One solution at a state tells of all of them.
     """
     g = r.locator
     refusal = e.refusal
@@ -94,12 +94,13 @@ def see_rests(e: Engine, r: Run) -> None:
             continue
         r.rest_here[kink] = value(e.model, e.model.kink_rest[kink], e.v) if known else math.nan
         size = math.fabs(r.rest_here[kink])
+        counts = size > 0.0 and math.isfinite(size)
         lately = r.rest_mode[kink] == e.mode.made and r.rest_asked[kink] < LOOKED
         lately = lately and size > NEARER * r.rest_away[kink]
         lately = lately and NEARER * size < r.rest_away[kink]
-        r.rest_due[kink] = 0 if lately or size == 0.0 or not math.isfinite(size) else 1
+        r.rest_due[kink] = 1 if counts else 0
         r.rest_asked[kink] += 1
-        due = due or r.rest_due[kink] != 0
+        due = due or (counts and not lately)
     if due:
         see_errors(e, r)
     give_back_guess(e, e.mode)
@@ -108,7 +109,7 @@ def see_rests(e: Engine, r: Run) -> None:
 
 
 def see_errors(e: Engine, r: Run) -> None:
-    """See by how much what is due moves with all states, each moved by a step's error."""
+    """See by how much all that is compared moves with all states, each moved by a step's error."""
     g = r.locator
     for k in range(e.model.kinks):
         if r.rest_due[k] != 0:
