@@ -135,7 +135,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             hidden_peaks    what laws that bend do within a step, and nowhere it has looked
             stiffness       when ``auto`` goes over to them, and back
             beside_kinks    slopes of the side of a kink on which a step is
-            whole_stages    all stages as one system, of states that are joined
+            whole_stages, whole_factors    all stages as one system, of states that are joined
             from_edges, beside_edges    stages where laws begin, and beside that
             settled_rates   rates that states move by, where a law is flat at rest
         quantised/

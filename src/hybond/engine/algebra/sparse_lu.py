@@ -44,6 +44,8 @@ class SparseLu:
 
     unknowns: int
     equations: int
+    least: float
+    """The part of its terms that has to be left of an independent equation."""
     begins: Places
     term_of: Places
     term: Block
@@ -84,6 +86,7 @@ class Factoring:
 def make_sparse_lu() -> SparseLu:
     """Return room for no system."""
     f = SparseLu()
+    f.least = NO_TERM
     f.begins = make_places(1)
     f.term_of = make_places(1)
     f.term = make_block(1)
@@ -231,7 +234,7 @@ def settle_again(f: SparseLu, r: Factoring, k: int) -> bool:
         biggest = max(biggest, math.fabs(f.upper.at[p]))
     f.diagonal.at[k] = r.total.at[pivot]
     f.made_of.at[k] = r.size.at[pivot]
-    return math.fabs(f.diagonal.at[k]) >= SHARE * biggest and biggest > NO_TERM * whole
+    return math.fabs(f.diagonal.at[k]) >= SHARE * biggest and biggest > f.least * whole
 
 
 def begin_factors(f: SparseLu, r: Factoring) -> None:
@@ -368,7 +371,7 @@ def settle_pivot(f: SparseLu, r: Factoring, k: int) -> bool:
         if math.fabs(r.total.at[unknown]) >= SHARE * biggest:
             if pivot == NOT_SOLVED or r.uses.at[unknown] < r.uses.at[pivot]:
                 pivot = unknown
-    if pivot == NOT_SOLVED or not biggest > NO_TERM * whole:
+    if pivot == NOT_SOLVED or not biggest > f.least * whole:
         return False
     f.pivot.at[k] = pivot
     f.solved_at.at[pivot] = k

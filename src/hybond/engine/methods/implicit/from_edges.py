@@ -19,7 +19,6 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit
-from hybond.engine.algebra.lu import lu_solve
 from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
@@ -37,6 +36,7 @@ from hybond.engine.methods.implicit.radau_stages import (
     rate_at,
     stage_rates,
 )
+from hybond.engine.methods.implicit.whole_factors import solve_by_whole
 from hybond.engine.methods.implicit.whole_stages import fit_whole, put_left, solve_whole, take_all
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.mode.digits.sizes import sizes_of
@@ -46,7 +46,7 @@ from hybond.engine.words import Floats
 
 EXPLICIT: Final = 0
 """The method ``rk45``."""
-FEW: Final = 64
+FEW: Final = 400
 """States up to which all stages are solved for at once."""
 FILLS: Final = 16
 """Times that what flows in is led on to the next one that is empty."""
@@ -254,7 +254,7 @@ def throws_back(r: Radau) -> bool:
     """Whether the next correction, by the same slopes, is longer than the last one."""
     n = r.n
     put_left(r, r.next_one.at)
-    lu_solve(3 * n, r.whole.at, r.whole_row.at, 1, r.next_one.at)
+    solve_by_whole(r, r.next_one.at)
     last = 0.0
     most = 0.0
     for k in range(3 * n):

@@ -16,11 +16,22 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.lu import REGULAR, SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.lu_pair import lu_factor_pair, lu_solve_pair
 from hybond.engine.algebra.lu_twofold import lu_factor_twofold, lu_solve_twofold
+from hybond.engine.algebra.sparse_lu import (
+    add_term,
+    begin_system,
+    end_equation,
+    factor_sparse,
+    solve_sparse,
+)
 from hybond.engine.algebra.twofold import add_part, sum_rest
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.words import Floats, float_table
 
 STEADY_SIZE: Final = 1e-3
+SPARSE_FROM: Final = 48
+"""Equations from which on sparse factors are worth it, ..."""
+FEW_TERMS: Final = 6
+"""... if no more than one in so many terms is there."""
 REAL: Final = 3.63783425274449573
 PAIR_RE: Final = 2.68108287362775213
 PAIR_IM: Final = 3.05043019924741057
@@ -52,9 +63,21 @@ def factorise(r: Radau) -> int:
     return found
 
 
+def is_sparse(n: int, terms: int) -> bool:
+    """Whether so many terms of n equations are few."""
+    return n >= SPARSE_FROM and FEW_TERMS * terms <= n * n
+
+
 def factors(r: Radau) -> int:
     """Make factors of a real and a complex matrix."""
     n = r.n
+    terms = 0
+    for k in range(n * n):
+        if r.jacobian[k] != 0.0:
+            terms += 1
+    r.sparse = is_sparse(n, terms) and factors_sparsely(r, terms)
+    if r.sparse:
+        return REGULAR
     for k in range(n * n):
         r.real[k] = -r.jacobian[k]
         r.re[k] = -r.jacobian[k]
@@ -66,6 +89,50 @@ def factors(r: Radau) -> int:
     if lu_factor(n, r.real, r.real_row) == SINGULAR:
         return SINGULAR
     return lu_factor_pair(n, r.re, r.im, r.pair_row, r.number)
+
+
+def factors_sparsely(r: Radau, terms: int) -> bool:
+    """Make sparse ones, those of the complex matrix for real and imaginary parts; False: none."""
+    n = r.n
+    begin_system(r.real_lu, n, terms + n)
+    begin_system(r.pair_lu, 2 * n, 2 * terms + 4 * n)
+    for i in range(n):
+        add_term(r.real_lu, i, REAL / r.h)
+        for half in range(2):
+            add_term(r.pair_lu, 2 * i + half, PAIR_RE / r.h)
+            add_term(r.pair_lu, 2 * i + 1 - half, (PAIR_IM if half == 1 else -PAIR_IM) / r.h)
+            for j in range(n):
+                slope = r.jacobian[i * n + j]
+                if slope != 0.0:
+                    add_term(r.pair_lu, 2 * j + half, -slope)
+                    if half == 0:
+                        add_term(r.real_lu, j, -slope)
+            end_equation(r.pair_lu)
+        end_equation(r.real_lu)
+    fit(r.x_pair, 4 * n)
+    fit(r.x_rest, n)
+    return factor_sparse(r.real_lu, r.factoring) and factor_sparse(r.pair_lu, r.factoring)
+
+
+def solve_real_sparsely(r: Radau, x: Floats) -> None:
+    """Solve by the sparse factors of the real matrix, in place."""
+    n = r.n
+    for i in range(n):
+        r.x_rest.at[i] = x[i]
+    solve_sparse(r.real_lu, r.factoring, r.x_rest.at, x)
+
+
+def solve_pair_sparsely(r: Radau) -> None:
+    """Solve by those of the complex one for ``r.x_re`` and ``r.x_im``."""
+    n = r.n
+    fit(r.pair, 2 * n)
+    for i in range(n):
+        r.x_pair.at[2 * i] = r.x_re[i]
+        r.x_pair.at[2 * i + 1] = r.x_im[i]
+    solve_sparse(r.pair_lu, r.factoring, r.x_pair.at, r.pair.at)
+    for i in range(n):
+        r.x_re[i] = r.pair.at[2 * i]
+        r.x_im[i] = r.pair.at[2 * i + 1]
 
 
 def factors_twofold(r: Radau) -> int:
@@ -109,7 +176,10 @@ def solve_real(r: Radau, rate: Floats, rest: Floats, x: Floats) -> None:
     if not r.twofold:
         for i in range(n):
             x[i] = rate[i] + x[i]
-        lu_solve(n, r.real, r.real_row, 1, x)
+        if r.sparse:
+            solve_real_sparsely(r, x)
+        else:
+            lu_solve(n, r.real, r.real_row, 1, x)
         return
     for i in range(n):
         total = rate[i] + x[i]
@@ -139,6 +209,10 @@ def solve_stages(r: Radau) -> None:
             r.x_real[i] += REAL_IN[s] * residual
             r.x_re[i] += PAIR_IN_RE[s] * residual
             r.x_im[i] += PAIR_IN_IM[s] * residual
+    if r.sparse:
+        solve_real_sparsely(r, r.x_real)
+        solve_pair_sparsely(r)
+        return
     lu_solve(n, r.real, r.real_row, 1, r.x_real)
     lu_solve_pair(n, r.re, r.im, r.pair_row, r.number, r.x_re, r.x_im)
 

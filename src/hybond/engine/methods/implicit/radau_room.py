@@ -5,6 +5,12 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import Block, Places, make_block, make_places
 from hybond.engine.algebra.lu_pair import Complex
+from hybond.engine.algebra.sparse_lu import (
+    Factoring,
+    SparseLu,
+    make_factoring,
+    make_sparse_lu,
+)
 from hybond.engine.words import Floats, Ints, floats, ints, record
 
 PIECES: Final = 128
@@ -43,6 +49,12 @@ class Radau:
     """What the Jacobian was rounded by, if `twofold_from` is finite: ..."""
     twofold_from: float
     """... the size of steps beyond which rounding of factors would tell."""
+    sparse: bool
+    """Whether the factors are sparse: `real_lu`, and `pair_lu` of the complex ones as twice as many
+    real equations."""
+    real_lu: SparseLu
+    pair_lu: SparseLu
+    factoring: Factoring
     twofold: bool
     """Whether the factors have twice the digits. Then `real_rest` stands beside `real`, and `pair`
     in place of the complex ones, with rates and right-hand sides rounded by so much:"""
@@ -125,11 +137,17 @@ class Radau:
     part: Places
     parts: int
     taken: Ints
+    """The states that it is of, and how many; which are among them."""
+    stage_slopes: Block
+    """Its slopes at each stage; whether its factors are sparse, and these."""
+    whole_sparse: bool
+    whole_lu: SparseLu
+    given_whole: Block
+    found_whole: Block
     delta: Floats
     """What each state is shifted by for its slopes; whether that was done with others together."""
     together: Ints
     acting_room: Places
-    """The states that it is of, and how many; which are among them."""
     whole_row: Places
     left_over: Block
     kept: Block
@@ -183,6 +201,11 @@ def make_radau(n: int) -> Radau:
     r.pair_row = ints(n)
     r.jacobian_rest = make_block(1)
     r.twofold_from = math.inf
+    r.real_lu = make_sparse_lu()
+    r.real_lu.least = 0.0
+    r.pair_lu = make_sparse_lu()
+    r.pair_lu.least = 0.0
+    r.factoring = make_factoring()
     r.real_rest = make_block(1)
     r.pair = make_block(1)
     r.pair_rest = make_block(1)
@@ -225,6 +248,11 @@ def make_radau(n: int) -> Radau:
     r.whole = make_block(1)
     r.part = make_places(n)
     r.taken = ints(n)
+    r.stage_slopes = make_block(1)
+    r.whole_lu = make_sparse_lu()
+    r.whole_lu.least = 0.0
+    r.given_whole = make_block(1)
+    r.found_whole = make_block(1)
     r.delta = floats(n)
     r.together = ints(n)
     r.acting_room = make_places(1)

@@ -26,7 +26,7 @@ from hybond.engine.methods.implicit.rates_in_stages import IN_STAGES
 from hybond.engine.methods.implicit.whole_stages import fit_whole, join, solve_whole
 from hybond.engine.surfaces.values import evaluate
 
-MOST: Final = 160
+MOST: Final = 400
 """States of a part up to which its stages are solved for at once."""
 NEARER_EDGE: Final = 0.5
 """Part of the longer way to an edge that the shorter one, at the other end of a step, is to be."""

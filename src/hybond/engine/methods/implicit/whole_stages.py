@@ -10,13 +10,13 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import fit, fit_places
-from hybond.engine.algebra.lu import SINGULAR, lu_factor, lu_solve
 from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.implicit.columns_together import take_together
 from hybond.engine.methods.implicit.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import rate_at, stage_time
+from hybond.engine.methods.implicit.whole_factors import factor_whole, solve_by_whole
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.words import Floats
 
@@ -55,7 +55,7 @@ def join(r: Radau) -> None:
 def fit_whole(r: Radau) -> None:
     """Make room for the system."""
     many = 3 * r.parts
-    fit(r.whole, many * many)
+    fit(r.stage_slopes, many * r.parts)
     fit(r.left_over, many)
     fit_places(r.whole_row, many)
     fit(r.kept, 3 * r.n)
@@ -64,38 +64,23 @@ def fit_whole(r: Radau) -> None:
 def solve_whole(e: Engine, r: Radau, rtol: float, shift: float) -> bool:
     """Put the correction of all stages into ``r.left_over``; False where slopes are singular.
 
-    Those of the last stage stay as the Jacobian.
-    """
-    put_whole(e, r, rtol, shift)
-    many = 3 * r.parts
-    if lu_factor(many, r.whole.at, r.whole_row.at) == SINGULAR:
-        return False
-    lu_solve(many, r.whole.at, r.whole_row.at, 1, r.left_over.at)
-    return True
-
-
-def put_whole(e: Engine, r: Radau, rtol: float, shift: float) -> None:
-    """Put the matrix of all stages into ``r.whole``, what is left of them into ``r.left_over``.
-
-    Slopes are over a part of each state.
+    Slopes are over a part of each state. Those of the last stage stay as the Jacobian.
     """
     n = r.n
     p = r.parts
-    many = 3 * p
     copy_part(n, r.y, 2 * n, r.stage, 0)
     tolerance(e, r.y0, r.stage, r.other)
-    for k in range(many * many):
-        r.whole.at[k] = 0.0
     for s in range(3):
         slopes_of(e, r, s, rtol, shift)
         for a in range(p):
-            row = s * p + a
-            i = r.part.at[a]
-            for j in range(3):
-                r.whole.at[row * many + j * p + a] = BUTCHER_INVERSE[3 * s + j] / r.h
+            row = r.part.at[a] * n
             for b in range(p):
-                r.whole.at[row * many + s * p + b] -= r.jacobian[i * n + r.part.at[b]]
+                r.stage_slopes.at[(s * p + a) * p + b] = r.jacobian[row + r.part.at[b]]
     put_left(r, r.left_over.at)
+    if not factor_whole(r):
+        return False
+    solve_by_whole(r, r.left_over.at)
+    return True
 
 
 def put_left(r: Radau, out: Floats) -> None:
