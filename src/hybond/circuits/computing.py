@@ -5,7 +5,6 @@ from __future__ import annotations
 from hybond.circuits.behaviour import PLACE, Law
 from hybond.circuits.formulas import names_in, written
 from hybond.circuits.graph_names import GraphNames
-from hybond.circuits.levels import has_levels
 from hybond.circuits.notices import Line
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts
@@ -16,8 +15,6 @@ from hybond.model.expressions.tree import walk
 from hybond.model.parts import MachinePart
 from hybond.names import did_you_mean
 
-_UP = {">": ">", ">=": ">", "<": "<", "<=": "<"}
-_DOWN = {">": "<", ">=": "<", "<": ">", "<=": ">"}
 _NOT = {">": "<=", ">=": "<", "<": ">=", "<=": ">"}
 
 
@@ -26,7 +23,8 @@ class Computing:
 
     Numbers of a netlist have no units: a voltage stands for its volts, a time for its seconds. A
     comparison of something that changes becomes a machine of two states, so that its instants are
-    located; what is computed reads the state by a signal.
+    located; what is computed reads the state by a signal. Where both sides rest on each other it is
+    as it is written.
     """
 
     def __init__(self, model: Model, names: GraphNames, sensing: Sensing, texts: Texts) -> None:
@@ -74,15 +72,12 @@ class Computing:
         if key not in self._known:
             name = self.names.take(f"{owner}_holds")
             machine = self.names.take(f"{owner}_comparison")
-            there, back = _UP[op], _DOWN[op]
-            if has_levels(comparison, self.model):
-                there, back = op, _NOT[op]
             self.model.machines[machine] = MachinePart(
                 {"no": (), "yes": ()},
                 "yes" if "=" in op else "no",  # as it starts if both sides are equal
                 (
-                    f"no -> yes when {Compare(there, comparison.left, comparison.right)}",
-                    f"yes -> no when {Compare(back, comparison.left, comparison.right)}",
+                    f"no -> yes when {comparison}",
+                    f"yes -> no when {Compare(_NOT[op], comparison.left, comparison.right)}",
                 ),
             )
             self.model.signals[name] = f'if {machine}.state == "yes" then 1 else 0'
