@@ -15,6 +15,8 @@ from hybond.model.expressions.tree import walk
 from hybond.model.parts import MachinePart
 from hybond.names import did_you_mean
 
+_STRICT = {">": ">", ">=": ">", "<": "<", "<=": "<"}
+_OTHER = {">": "<", ">=": "<", "<": ">", "<=": ">"}
 _NOT = {">": "<=", ">=": "<", "<": ">=", "<=": ">"}
 
 
@@ -29,10 +31,16 @@ class Computing:
 
     def __init__(self, model: Model, names: GraphNames, sensing: Sensing, texts: Texts) -> None:
         self.model, self.names, self.sensing, self.texts = model, names, sensing, texts
-        self._known: dict[tuple[str, str, str], str] = {}
+        self._known: dict[tuple[str, str, str, bool], str] = {}
 
-    def text(self, law: Law, line: Line, owner: str) -> str:
+    def text(self, law: Law, line: Line, owner: str, *, on_itself: bool = False) -> str:
         """Return a law as an expression without a unit.
+
+        Parameters
+        ----------
+        on_itself : bool
+            Whether what it gives makes jump what it compares: then it stays as it was where both
+            sides are equal, for it may be equal by its own doing.
 
         Raises
         ------
@@ -61,23 +69,24 @@ class Computing:
         def compared(e: Expr) -> Expr:
             if not isinstance(e, Compare) or not _changes(e, self.texts):
                 return e
-            return Compare(">", Name(self._machine(e, owner)), Number(0.5))
+            return Compare(">", Name(self._machine(e, owner, on_itself)), Number(0.5))
 
         return str(transform(whole, compared))
 
-    def _machine(self, comparison: Compare, owner: str) -> str:
+    def _machine(self, comparison: Compare, owner: str, on_itself: bool) -> str:
         """Return the signal that is 1 while a comparison holds."""
         left, right, op = str(comparison.left), str(comparison.right), comparison.op
-        key = (left, op, right)
+        key = (left, op, right, on_itself)
         if key not in self._known:
             name = self.names.take(f"{owner}_holds")
             machine = self.names.take(f"{owner}_comparison")
+            there, back = (_STRICT[op], _OTHER[op]) if on_itself else (op, _NOT[op])
             self.model.machines[machine] = MachinePart(
                 {"no": (), "yes": ()},
                 "yes" if "=" in op else "no",  # as it starts if both sides are equal
                 (
-                    f"no -> yes when {comparison}",
-                    f"yes -> no when {Compare(_NOT[op], comparison.left, comparison.right)}",
+                    f"no -> yes when {Compare(there, comparison.left, comparison.right)}",
+                    f"yes -> no when {Compare(back, comparison.left, comparison.right)}",
                 ),
             )
             self.model.signals[name] = f'if {machine}.state == "yes" then 1 else 0'

@@ -22,6 +22,8 @@ from hybond.circuits.opened import GROUND
 
 Sum = dict[int, float]
 """Branch to its part in a sum; `ONE` to what does not depend on any, `OPEN` if it is no sum."""
+_ACROSS = ("Se", "meter", "C")
+"""What imposes a voltage, if anything."""
 _STORES = "cl"
 """Kinds that store: at rest, sources stand for them."""
 
@@ -59,6 +61,8 @@ class Given:
         Node key to number.
     values : mapping
         Parameters, which laws of sources are written with.
+    stored : bool
+        Take what is stored as given, too, and no comparison of anything else.
     """
 
     def __init__(
@@ -67,8 +71,10 @@ class Given:
         ends: Sequence[tuple[int, int]],
         numbers: Mapping[str, int],
         values: Mapping[str, float],
+        *,
+        stored: bool = False,
     ) -> None:
-        self.leaves, self.ends, self.numbers = leaves, ends, numbers
+        self.leaves, self.ends, self.numbers, self.stored = leaves, ends, numbers, stored
         count = 1 + max(numbers.values())
         self.together = list(range(count))
         """Of each node the first of those that its voltage is given against, ..."""
@@ -82,7 +88,7 @@ class Given:
         for k, (a, b) in enumerate(ends):
             self.at[a].append(k)
             self.at[b].append(k)
-        for self.levels.with_truths in (False, True):
+        for self.levels.with_truths in (False,) if stored else (False, True):
             while self._by_sources() | self._by_currents() | self._by_blocks():
                 pass
 
@@ -119,7 +125,9 @@ class Given:
         """Return what a source imposes, None if it is none, or what it follows is not given."""
         leaf = self.leaves[k]
         branch = leaf.branch
-        if branch.kind in _STORES or leaf.role not in ("Se", "Sf", "meter"):
+        if branch.kind in _STORES and leaf.winding is None:
+            return {OPEN: 1.0} if self.stored else None
+        if leaf.role not in ("Se", "Sf", "meter"):
             return None
         if leaf.role == "meter":
             return {}
@@ -146,7 +154,7 @@ class Given:
         """Put nodes together at the ends of sources of voltage; return whether there were any."""
         found = False
         for k, (a, b) in enumerate(self.ends):
-            if self.leaves[k].role in ("Se", "meter") and self.together[a] != self.together[b]:
+            if self.leaves[k].role in _ACROSS and self.together[a] != self.together[b]:
                 imposed = self._imposed(k)
                 if imposed is not None:
                     self._join(a, b, imposed)
@@ -161,7 +169,7 @@ class Given:
                 continue
             leaf = self.leaves[k]
             flow: Sum | None = None
-            if leaf.role == "Sf":
+            if leaf.role in ("Sf", "I"):
                 flow = self._imposed(k)
             elif leaf.role == "R":
                 across = self._between(a, b)

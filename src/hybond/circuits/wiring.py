@@ -10,6 +10,7 @@ from functools import cached_property
 from hybond.circuits.behaviour import Law, Read, plainly
 from hybond.circuits.computing import Computing
 from hybond.circuits.deck import Deck
+from hybond.circuits.feedback import Feedback
 from hybond.circuits.given import Given
 from hybond.circuits.ideal import IdealSwitch
 from hybond.circuits.leaves import Leaf
@@ -21,6 +22,8 @@ from hybond.circuits.thresholds import Rest, machine_of, rest_of, started
 from hybond.circuits.woven import Terms, Woven, written
 from hybond.errors import FileError
 from hybond.model.builder import Model
+from hybond.model.expressions import Compare
+from hybond.model.expressions.tree import walk
 from hybond.model.parts import Part
 
 _OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
@@ -103,7 +106,11 @@ class Assembly:
         branch = self.leaves[k].branch
         if branch.law is not None:
             unit = "V" if branch.law.imposes == "v" else "A"
-            return f"1 {unit}*({self.computing.text(branch.law, branch.line, self.woven.own[k])})"
+            compares = any(isinstance(e, Compare) for e, _ in walk(branch.law.formula))
+            on_itself = compares and self.feedback.on_itself(k)
+            own = self.woven.own[k]
+            text = self.computing.text(branch.law, branch.line, own, on_itself=on_itself)
+            return f"1 {unit}*({text})"
         assert branch.value is not None
         sensed = self.sensed(k)
         gain = self.texts.factor(branch.value, _GAINS[branch.kind])
@@ -153,6 +160,8 @@ class Assembly:
         rest = Rest()
         if ideal.on == ideal.off:
             rest = rest_of(branch, ideal, self.given)
+            if not rest.told and self.feedback.on_itself(k):
+                rest = Rest(">", "<")
             if rest.told:
                 side = f"taken as {_side(ideal, above=rest.up == '>=')}"
                 if rest.remembers:
@@ -170,6 +179,11 @@ class Assembly:
     def given(self) -> Given:
         """Return what sources and resistors alone decide."""
         return Given(self.leaves, self.sensing.ends, self.sensing.numbers, self.values)
+
+    @cached_property
+    def feedback(self) -> Feedback:
+        """Return what has an effect at once on what it reads."""
+        return Feedback(self.leaves, self.sensing.ends, self.sensing.numbers, self.values)
 
     def idle(self, k: int) -> Terms | None:
         """Return the voltage of a source or capacitor that carries no current."""
