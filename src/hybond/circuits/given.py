@@ -50,6 +50,10 @@ def plus(a: Sum, b: Sum, factor: float = 1.0) -> Sum:
     return found
 
 
+LARGEST = 1000
+"""Nodes of a block that are solved for, with dense matrices; those of a larger one are not given."""
+
+
 class Given:
     """What is given of a circuit.
 
@@ -80,6 +84,7 @@ class Given:
         """Of each node the first of those that its voltage is given against, ..."""
         self.against: list[Sum] = [{} for _ in range(count)]
         """... and that voltage."""
+        self.group = {n: [n] for n in range(count)}
         self.flows: dict[int, Sum] = {}
         """The currents that are given, from node a to node b."""
         self.levels = Levels(leaves, values)
@@ -111,13 +116,15 @@ class Given:
 
     def _join(self, a: int, b: int, voltage: Sum) -> None:
         """Put two nodes together, of which the voltage from a to b is given."""
+        if len(self.group[self.together[a]]) < len(self.group[self.together[b]]):
+            a, b, voltage = b, a, times(-1.0, voltage)
         first, second = self.together[a], self.together[b]
         # that of b against its first is known, and so is that of a
         offset = plus(plus(self.against[a], voltage, -1.0), self.against[b], -1.0)
-        for n, other in enumerate(self.together):
-            if other == second:
-                self.together[n] = first
-                self.against[n] = plus(offset, self.against[n])
+        for n in self.group[second]:
+            self.together[n] = first
+            self.against[n] = plus(offset, self.against[n])
+        self.group[first] += self.group.pop(second)
 
     # what sources say
 
@@ -236,6 +243,8 @@ class Given:
         """Put the nodes of a block together: Kirchhoff's law of currents at each of them."""
         ends = [(self.ends[k], [self.together[n] for n in self.ends[k]]) for k in branches]
         others = sorted({n for _, firsts in ends for n in firsts} - {reference})
+        if len(others) > LARGEST:
+            return False
         place = {n: j for j, n in enumerate(others)}
         matrix = np.zeros((len(others), len(others)))
         pushed: list[Sum] = [{} for _ in others]
