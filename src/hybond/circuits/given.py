@@ -51,7 +51,7 @@ def plus(a: Sum, b: Sum, factor: float = 1.0) -> Sum:
 
 
 LARGEST = 1000
-"""Nodes of a block that are solved for, with dense matrices; those of a larger one are not given."""
+"""Nodes of a block that are solved for with dense matrices; those of a larger one are not given."""
 
 
 class Given:
