@@ -81,6 +81,23 @@ def test_a_comparator_has_two_thresholds() -> None:
     assert run["p.out"].at([0.05, 0.5, 0.7]).tolist() == [0, 1, 0]
 
 
+@pytest.mark.parametrize(("level", "upper", "lower"), [(0, 0, 0), (0.5, 0.5, 0.5), (0, 0.5, 0)])
+def test_a_comparator_lets_go_of_what_has_come_back_to_rest_at_its_threshold(
+    level: float, upper: float, lower: float
+) -> None:
+    run = alone(
+        "control.comparator", 4, u=f"{level} + max(sin(pi*time), 0)", upper=upper, lower=lower
+    )
+    assert run["p.out"].at([0.5, 1.5, 2.5, 3.5]).tolist() == [1, 0, 1, 0]
+
+
+def test_a_three_point_switch_lets_go_of_what_has_come_back_to_rest_at_its_threshold() -> None:
+    run = alone("control.three_point", 4, u="sin(pi*time)*mod(floor(time), 2)", on=0.5, off=0)
+    assert run["p.out"].at([0.5, 1.5, 2.5, 3.5]).tolist() == [0, -1, 0, -1]
+    run = alone("control.three_point", 4, u="max(sin(pi*time), 0)", on=0, off=0)
+    assert run["p.out"].at([0.5, 1.5, 2.5, 3.5]).tolist() == [1, 0, 1, 0]
+
+
 def test_a_three_point_switch_goes_forward_rests_and_goes_back() -> None:
     run = alone("control.three_point", 1, u="2*sin(2*pi*time)", on=1, off=0.5)
     on, off = math.asin(0.5) / (2 * math.pi), 0.5 - math.asin(0.25) / (2 * math.pi)

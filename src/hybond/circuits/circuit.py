@@ -336,7 +336,15 @@ class _Making:
                 hint="look at the names of its nodes: only a loop of elements carries a current",
             )
         self.assembly = Assembly(
-            model, woven, self.leaves, ends, self.numbers, self.texts, self.deck, self.notices
+            model,
+            woven,
+            self.leaves,
+            ends,
+            self.numbers,
+            self.texts,
+            self.deck,
+            self.notices,
+            self.opened.values,
         )
         self.assembly.run()
         settle_starts(model)
@@ -461,6 +469,7 @@ class _Making:
             str(self.path),
             self.notices,
             parameters=self._given(),
+            values=self.opened.values,
         )
         if self.deck.steps and any(leaf.start is not None for leaf in found):
             self.notices.add(

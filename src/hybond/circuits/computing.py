@@ -5,7 +5,6 @@ from __future__ import annotations
 from hybond.circuits.behaviour import PLACE, Law
 from hybond.circuits.formulas import names_in, written
 from hybond.circuits.graph_names import GraphNames
-from hybond.circuits.levels import has_levels
 from hybond.circuits.notices import Line
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts
@@ -16,8 +15,8 @@ from hybond.model.expressions.tree import walk
 from hybond.model.parts import MachinePart
 from hybond.names import did_you_mean
 
-_UP = {">": ">", ">=": ">", "<": "<", "<=": "<"}
-_DOWN = {">": "<", ">=": "<", "<": ">", "<=": ">"}
+_STRICT = {">": ">", ">=": ">", "<": "<", "<=": "<"}
+_OTHER = {">": "<", ">=": "<", "<": ">", "<=": ">"}
 _NOT = {">": "<=", ">=": "<", "<": ">=", "<=": ">"}
 
 
@@ -26,15 +25,22 @@ class Computing:
 
     Numbers of a netlist have no units: a voltage stands for its volts, a time for its seconds. A
     comparison of something that changes becomes a machine of two states, so that its instants are
-    located; what is computed reads the state by a signal.
+    located; what is computed reads the state by a signal. Where both sides rest on each other it is
+    as it is written.
     """
 
     def __init__(self, model: Model, names: GraphNames, sensing: Sensing, texts: Texts) -> None:
         self.model, self.names, self.sensing, self.texts = model, names, sensing, texts
-        self._known: dict[tuple[str, str, str], str] = {}
+        self._known: dict[tuple[str, str, str, bool], str] = {}
 
-    def text(self, law: Law, line: Line, owner: str) -> str:
+    def text(self, law: Law, line: Line, owner: str, *, on_itself: bool = False) -> str:
         """Return a law as an expression without a unit.
+
+        Parameters
+        ----------
+        on_itself : bool
+            Whether what it gives makes jump what it compares: then it stays as it was where both
+            sides are equal, for it may be equal by its own doing.
 
         Raises
         ------
@@ -63,20 +69,18 @@ class Computing:
         def compared(e: Expr) -> Expr:
             if not isinstance(e, Compare) or not _changes(e, self.texts):
                 return e
-            return Compare(">", Name(self._machine(e, owner)), Number(0.5))
+            return Compare(">", Name(self._machine(e, owner, on_itself)), Number(0.5))
 
         return str(transform(whole, compared))
 
-    def _machine(self, comparison: Compare, owner: str) -> str:
+    def _machine(self, comparison: Compare, owner: str, on_itself: bool) -> str:
         """Return the signal that is 1 while a comparison holds."""
         left, right, op = str(comparison.left), str(comparison.right), comparison.op
-        key = (left, op, right)
+        key = (left, op, right, on_itself)
         if key not in self._known:
             name = self.names.take(f"{owner}_holds")
             machine = self.names.take(f"{owner}_comparison")
-            there, back = _UP[op], _DOWN[op]
-            if has_levels(comparison, self.model):
-                there, back = op, _NOT[op]
+            there, back = (_STRICT[op], _OTHER[op]) if on_itself else (op, _NOT[op])
             self.model.machines[machine] = MachinePart(
                 {"no": (), "yes": ()},
                 "yes" if "=" in op else "no",  # as it starts if both sides are equal

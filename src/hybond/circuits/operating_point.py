@@ -59,6 +59,7 @@ def operating_point(
     notices: Notices,
     *,
     parameters: Mapping[str, str | float],
+    values: Mapping[str, float],
 ) -> list[Leaf]:
     """Return the branches, C and L with their starts at rest.
 
@@ -67,8 +68,8 @@ def operating_point(
     numbers, shown : nodes by key, and their names
     forced : sequence of (node, voltage, line)
         What ``.ic`` holds until t = 0.
-    parameters : mapping
-        Those of the model, which values of elements are written with.
+    parameters, values : mapping
+        Those of the model, which values of elements are written with, and what they are.
 
     Raises
     ------
@@ -85,15 +86,16 @@ def operating_point(
         raise _none(place, why, _remedy(deck, leaves, stores))
     still = [_at_rest(leaf) for leaf in cleared]
     still += [_holding(key, value, line) for key, value, line in forced if key != GROUND]
+    asked = (still, stores, numbers, shown, texts, deck)
     try:
         try:
-            values, above = _solve(still, stores, numbers, shown, texts, deck, parameters)
+            at_rest, above = _solve(*asked, parameters, values)
         except FileError as error:
             still += (leaks := [leak for leaf in still for leak in _leak(leaf)])
             if not leaks or error.code != "HB-F143":
                 raise
             try:
-                values, above = _solve(still, stores, numbers, shown, texts, deck, parameters)
+                at_rest, above = _solve(*asked, parameters, values)
             except HybondError as left:
                 raise (left if left.code == error.code else error) from None
             _tell_leaks(error, leaks, deck, notices)
@@ -108,7 +110,7 @@ def operating_point(
         why = f"with coils as wires and capacitors open the circuit has no rest: {error.why}"
         raise _none(place, why, _remedy(deck, leaves, stores)) from None
     found = list(cleared)
-    for k, value in values.items():
+    for k, value in at_rest.items():
         if value:
             found[k] = replace(found[k], start=Value(Number(value), value))
     for k, is_above in above.items():
@@ -213,6 +215,7 @@ def _solve(
     texts: Texts,
     deck: Deck,
     parameters: Mapping[str, str | float],
+    values: Mapping[str, float],
 ) -> tuple[dict[int, float], dict[int, bool]]:
     """Return what each C and L holds at rest, and on which side switches with two thresholds are.
 
@@ -227,7 +230,7 @@ def _solve(
     woven = weave(still, ends, shown, names, texts, notices)
     model = Model("rest", domain="electrical", parameters=dict(parameters))
     only = replace(deck, outputs=[], measures=[])
-    Assembly(model, woven, still, ends, numbers, texts, only, notices).run()
+    Assembly(model, woven, still, ends, numbers, texts, only, notices, values).run()
     wanted: dict[int, str] = {}
     for k in stores:
         terms = woven.drops.get(k) if still[k].role == "Sf" else woven.currents.get(k)

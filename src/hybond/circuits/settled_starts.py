@@ -49,7 +49,9 @@ def settle_starts(model: Model) -> None:
 
 
 def remembers(machine: MachinePart) -> bool:
-    """Whether a machine of a netlist may be in either state at some level: it has two thresholds.
+    """Whether a machine of a netlist may be in either state at some level.
+
+    It has two thresholds, or keeps from where it came to its only one.
 
     Examples
     --------
@@ -58,5 +60,7 @@ def remembers(machine: MachinePart) -> bool:
     >>> remembers(MachinePart({"a": (), "b": ()}, "a", ["a -> b when v > 2", "b -> a when v < 1"]))
     True
     """
+    if len(machine.rules) != 2:
+        return True
     there, back = (rule.partition(" when ")[2] for rule in machine.rules)
     return _COMPARED.sub(" ? ", there) != _COMPARED.sub(" ? ", back)

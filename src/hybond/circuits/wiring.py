@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
 
 from hybond.circuits.behaviour import Law, Read, plainly
 from hybond.circuits.computing import Computing
 from hybond.circuits.deck import Deck
+from hybond.circuits.feedback import Feedback
+from hybond.circuits.given import Given
+from hybond.circuits.ideal import IdealSwitch
 from hybond.circuits.leaves import Leaf
-from hybond.circuits.levels import has_levels
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts, minus
-from hybond.circuits.thresholds import compared, rests_at
+from hybond.circuits.thresholds import Rest, machine_of, rest_of, started
 from hybond.circuits.woven import Terms, Woven, written
 from hybond.errors import FileError
 from hybond.model.builder import Model
-from hybond.model.expressions import parse
-from hybond.model.parts import MachinePart, Part
+from hybond.model.expressions import Compare
+from hybond.model.expressions.tree import walk
+from hybond.model.parts import Part
 
 _OUTPUT = re.compile(r"([vi])\(([^(),]+)(?:,([^(),]+))?\)\Z", re.IGNORECASE)
 _READ = re.compile(r"(?<![\w.])([vi])\(\s*([^\s(),]+)\s*(?:,\s*([^\s(),]+)\s*)?\)", re.IGNORECASE)
@@ -30,6 +35,11 @@ _GAINS = {"e": "", "g": "A/V", "f": "", "h": "V/A"}
 
 class Assembly:
     """Puts a woven circuit into a model.
+
+    Parameters
+    ----------
+    values : mapping
+        Parameters, by their keys.
 
     Raises
     ------
@@ -47,9 +57,10 @@ class Assembly:
         texts: Texts,
         deck: Deck,
         notices: Notices,
+        values: Mapping[str, float],
     ) -> None:
         self.model, self.woven, self.leaves, self.texts = model, woven, leaves, texts
-        self.deck, self.notices = deck, notices
+        self.deck, self.notices, self.values = deck, notices, values
         self.sensing = Sensing(woven, leaves, ends, numbers, self.idle)
         self.idle_names: dict[int, Terms] = {}
         self.computing = Computing(model, woven.names, self.sensing, texts)
@@ -95,7 +106,11 @@ class Assembly:
         branch = self.leaves[k].branch
         if branch.law is not None:
             unit = "V" if branch.law.imposes == "v" else "A"
-            return f"1 {unit}*({self.computing.text(branch.law, branch.line, self.woven.own[k])})"
+            compares = any(isinstance(e, Compare) for e, _ in walk(branch.law.formula))
+            on_itself = compares and self.feedback.on_itself(k)
+            own = self.woven.own[k]
+            text = self.computing.text(branch.law, branch.line, own, on_itself=on_itself)
+            return f"1 {unit}*({text})"
         assert branch.value is not None
         sensed = self.sensed(k)
         gain = self.texts.factor(branch.value, _GAINS[branch.kind])
@@ -142,26 +157,33 @@ class Assembly:
             on, off = f"{centre} + {half}", f"{centre} - {half}"
             if not ideal.threshold.parametric and not ideal.other.parametric:
                 on, off = f"{ideal.on!r} {unit}", f"{ideal.off!r} {unit}"
+        rest = Rest()
+        if ideal.on == ideal.off:
+            rest = rest_of(branch, ideal, self.given)
+            if not rest.told and self.feedback.on_itself(k):
+                rest = Rest(">", "<")
+            if rest.told:
+                side = f"taken as {_side(ideal, above=rest.up == '>=')}"
+                if rest.remembers:
+                    side = "on the other side than where it came from"
+                self.notices.add(
+                    branch.line,
+                    f"{branch.name}: what it follows rests at its threshold of {ideal.on:g} "
+                    f"{unit}, where it is {side}",
+                )
+        machine = machine_of(sensed, on, off, junction, ideal, rest)
         name = self.woven.names.take(f"{junction}_state")
-        above, below = ("open", "closed") if ideal.inverted else ("closed", "open")
-        up, down = compared(branch, ideal, self.leaves)
-        if not has_levels(parse(sensed), self.model):
-            up, down = ">", "<"
-        if "=" in up + down and rests_at(branch, ideal, self.leaves):
-            side = above if up == ">=" else below
-            self.notices.add(
-                branch.line,
-                f"{branch.name}: what it follows rests at its threshold of {ideal.on:g} {unit}, "
-                f"where it is taken as {side}",
-            )
-        self.model.machines[name] = MachinePart(
-            {"open": (), "closed": (junction,)},
-            above if branch.state == "on" else below,
-            (
-                f"{below} -> {above} when {sensed} {up} {on}",
-                f"{above} -> {below} when {sensed} {down} {off}",
-            ),
-        )
+        self.model.machines[name] = replace(machine, start=started(machine, ideal, branch.state))
+
+    @cached_property
+    def given(self) -> Given:
+        """Return what sources and resistors alone decide."""
+        return Given(self.leaves, self.sensing.ends, self.sensing.numbers, self.values)
+
+    @cached_property
+    def feedback(self) -> Feedback:
+        """Return what has an effect at once on what it reads."""
+        return Feedback(self.leaves, self.sensing.ends, self.sensing.numbers, self.values)
 
     def idle(self, k: int) -> Terms | None:
         """Return the voltage of a source or capacitor that carries no current."""
@@ -278,6 +300,10 @@ def _lowered(law: Law) -> Law:
         for r in law.reads
     )
     return Law(law.imposes, law.formula, reads)
+
+
+def _side(ideal: IdealSwitch, *, above: bool) -> str:
+    return "closed" if above != ideal.inverted else "open"
 
 
 def _node(text: str) -> str:
