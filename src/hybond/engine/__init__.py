@@ -113,6 +113,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         tolerances/
             scale, signal_sizes, lately    of what is stored and what is integrated
             moment_later    values kept while those of a moment later are looked at
+            noise_here      the noise of rates measured anew where a step begins
             pushes          the energy that what pushes at rest would give in a moment
             defects         what a step stores beyond what its rates bring
             onset, strayed  what has not moved yet, by what it will be; what has gone astray
