@@ -229,6 +229,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         struck_at_kink      sources that jump onto a contact
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest
+        rests_ahead         steps that end where a root comes to rest
         on_surfaces, level_jumps    a step along surfaces ends: the state is put back, unless they
                             jump; where a function in Python makes them
         stranded            motion that gets nowhere
