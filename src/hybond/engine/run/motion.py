@@ -74,8 +74,8 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.noted import go_on, note, tell_at_end
-from hybond.engine.run.roots_followed import begin_to_follow, follow_roots
 from hybond.engine.run.rests_ahead import end_before_rest
+from hybond.engine.run.roots_followed import begin_to_follow, follow_roots
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
     FRESH,

@@ -22,8 +22,10 @@ from hybond.engine.run.roots_reached import (
     STILL,
     at_state,
     is_far_from_rest,
+    is_moved_on,
     leads_to_rest,
     speed_of,
+    time_to_see,
 )
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
@@ -38,7 +40,8 @@ def end_before_rest(e: Engine, r: Run, end: float) -> float:
     """Return where the next step ends at the latest: at `end`, or where a root comes to rest."""
     g = r.locator
     m = e.model
-    if m.kinks == 0 or e.slide.k > 0:
+    # a law that has no value behind its root ends steps there by itself
+    if m.kinks == 0 or m.edges > 0 or e.slide.k > 0:
         return end
     for k in range(g.guards):
         kink = g.atom[g.atom_first[k]] - m.kink_atom
@@ -70,12 +73,15 @@ def time_to_rest(e: Engine, r: Run, k: int) -> float:
     beside = leads_to_rest(e, r, atom, away)
     if beside == 0.0:
         return math.inf
+    seen = time_to_see(e, r)
     e.mode.guessed = False
     if field(e, e.mode, e.t, r.after, r.rate) != OK:
         return math.inf
     left = at_state(e, r, atom, r.after)
-    stands = STANDS if atom == kink else STILL
-    if not math.fabs(speed_of(e, r, atom, r.after, left)) <= stands * math.fabs(beside):
+    most = (STANDS if atom == kink else STILL) * math.fabs(beside)
+    if is_moved_on(e, r, atom, left, seen, most):
+        return math.inf  # what follows a rest that moves lags behind it, and never gets there
+    if not math.fabs(speed_of(e, r, atom, r.after, left)) <= most:
         return math.inf
     for i in range(e.states):
         r.after[i] = 0.5 * (e.y[i] + r.after[i])

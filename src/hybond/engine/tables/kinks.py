@@ -217,8 +217,9 @@ def _sides_of_roots(t: ModelTables) -> dict[Expr, Expr]:
     A valve by ISO 6358 compares two pressures, and takes the root of a sum of their ratio which is
     zero where they are equal: it may come to rest there. Whether it does is seen as it gets there.
     """
-    rooted_laws = [e for e, _ in _followed(t) if rooted(e)] if t.numbers["method"] in FOLLOWED else []
-    return {simplify(a): a for e in rooted_laws for a in leaping(e)}
+    if t.numbers["method"] not in FOLLOWED:
+        return {}
+    return {simplify(a): a for e, _ in _followed(t) if rooted(e) for a in leaping(e)}
 
 
 def _is_timed(t: ModelTables, jumping: Expr) -> bool:
