@@ -114,6 +114,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         tolerances/
             scale, signal_sizes, lately    of what is stored and what is integrated
             moment_later    values kept while those of a moment later are looked at
+            noise_here      the noise of rates measured anew where a step begins
             pushes          the energy that what pushes at rest would give in a moment
             defects         what a step stores beyond what its rates bring
             onset, strayed  what has not moved yet, by what it will be; what has gone astray
@@ -209,6 +210,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     checks/
         laws_held, another, guards_held    put back into themselves
         rates_apart         flows that are not what storages were moved by
+        lost_between        what laws lose between the ends of steps
         bounds_held, energy_held    values that outgrow all bounds; energy that comes from nowhere
         shown, check_records    as read from outside; what was found
     looking/
@@ -230,6 +232,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         struck_at_kink      sources that jump onto a contact
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest
+        rests_ahead         steps that end where a root comes to rest
         on_surfaces, level_jumps    a step along surfaces ends: the state is put back, unless they
                             jump; where a function in Python makes them
         stranded            motion that gets nowhere

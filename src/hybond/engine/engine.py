@@ -153,6 +153,9 @@ class Engine:
     """What the rates of stored quantities may be wrong by, in the time of the run: ..."""
     rate_noise: Floats
     """... the rates themselves, ..."""
+    noise_matters: bool
+    """Whether a tolerance was set by that since it was measured last; when that was."""
+    noise_at: float
     settled: Floats
     """... and what is left of that where they lead a state back to where it settles."""
     push_alone: Floats
@@ -358,6 +361,7 @@ def make_engine(m: Model) -> Engine:
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)
     e.rate_noise = floats(m.storages)
+    e.noise_at = math.nan
     e.settled = floats(m.storages)
     for k in range(m.storages):
         e.settled[k] = math.inf

@@ -110,6 +110,13 @@ class Checks:
     strayed_state: Ints
     beside: Floats
     rate: Floats
+    middle: Floats
+    """Co-energy variables in the middle of a step, and rates there of its polynomial."""
+    along: Floats
+    lost_between: float
+    """What laws have lost between the ends of steps beyond what they may be off by, J; since when,
+    infinity: nothing."""
+    lost_since: float
     apart_for: Floats
     """Of each storage: how long its rate was shown as another than it moved by, s; since when, the
     most of it, when that was, and what it moved by then."""
@@ -168,6 +175,9 @@ def make_checks(m: Model) -> Checks:
     c.prior = floats(2 * m.bonds)
     c.beside = floats(m.storages + m.integrals)
     c.rate = floats(m.storages + m.integrals)
+    c.middle = floats(m.storages)
+    c.along = floats(m.storages)
+    c.lost_since = math.inf
     c.shown_at = -1.0
     c.apart_for = floats(m.storages)
     c.apart_since = floats(m.storages)

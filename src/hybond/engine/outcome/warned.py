@@ -22,7 +22,7 @@ NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
-GUARD_AT_REST, UNRESOLVED, ROOT, ANOTHER, RATES_APART = 22, 23, 24, 25, 26
+GUARD_AT_REST, UNRESOLVED, ROOT, ANOTHER, RATES_APART, LOST_BETWEEN = 22, 23, 24, 25, 26, 27
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
     *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
@@ -251,6 +251,8 @@ class Warnings:
             return self._of_swings(now, numbers[0], *about[1:])
         if kind == RATES_APART:
             return self._of_rates_apart(now, numbers[0], *about[1:])
+        if kind == LOST_BETWEEN:
+            return _of_lost(now, *about)
         if kind == GUARD_AT_REST:
             return self._of_rest(now, numbers[0], numbers[1] != 0, *about[2:])
         if kind == UNRESOLVED:
@@ -463,4 +465,13 @@ def _of_made(off: float, moved: float) -> str:
         f"steps of this length have {'made' if off > 0.0 else 'lost'} {abs(off):.3g} J, "
         f"{100.0 * abs(off) / moved:.2g} % of the {moved:.3g} J that moved: take a shorter "
         "step, or a solver that chooses its own"
+    )
+
+
+def _of_lost(now: str, off: float, moved: float) -> str:
+    """Return what laws have made or lost between the ends of steps, in words."""
+    return (
+        f"from {now[3:]} on, steps have {'lost' if off > 0.0 else 'made'} {abs(off):.3g} J between "
+        f"their ends, beside {moved:.3g} J that were stored or moved: a law is so steep there that "
+        "in the middle of a step it does not say what was stored; compare with a smaller rtol"
     )

@@ -85,6 +85,9 @@ variable, what that is and what it might be; said once of each kind of why."""
 RATES_APART: Final = 26
 """The rate of a storage is not what it moved by. Numbers: the storage, for how long, the most that
 it was apart, what it moved by then, and when; said once, at the end."""
+LOST_BETWEEN: Final = 27
+"""Between the ends of steps laws brought what was not stored. Numbers: the energy that this is, J,
+and what there was; said at the end."""
 
 
 @record

@@ -74,6 +74,7 @@ from hybond.engine.run.log import (
     report_step,
 )
 from hybond.engine.run.noted import go_on, note, tell_at_end
+from hybond.engine.run.rests_ahead import end_before_rest
 from hybond.engine.run.roots_followed import begin_to_follow, follow_roots
 from hybond.engine.run.roots_reached import rest_at_roots
 from hybond.engine.run.run_records import (
@@ -410,7 +411,8 @@ def begin_to_flow(e: Engine, r: Run) -> int:
 def take_step(e: Engine, r: Run, end: float) -> int:
     """Take a step no further than `end`; ANEW if it ends at an edge, -1 if the run stops."""
     m = e.model
-    if step(e, end_ahead(e, end) if m.courses > 0 else end) != OK:
+    soon = end_before_rest(e, r, end_ahead(e, end) if m.courses > 0 else end)
+    if step(e, soon) != OK:
         if begin_at_edge(e, r) == OK:
             return ANEW
         stuck_at_kink(e, r)

@@ -10,6 +10,7 @@ from hybond.engine.checks.energy_held import (
     warn_of_steps,
 )
 from hybond.engine.checks.laws_held import look_now_and_then
+from hybond.engine.checks.lost_between import see_between, tell_lost_between
 from hybond.engine.checks.rates_apart import count_rates_apart, tell_rates_apart
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.engine import OK, REFUSED, Engine
@@ -54,6 +55,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     if t > r.resumed:
         report_step(e, r.report)
     hold_step(e)
+    see_between(e)
     count_rates_apart(e)
     look_now_and_then(e)
     hold_last_rates(e)
@@ -79,3 +81,4 @@ def tell_at_end(e: Engine) -> None:
     warn_of_steps(e)
     tell_unresolved(e)
     tell_rates_apart(e)
+    tell_lost_between(e)

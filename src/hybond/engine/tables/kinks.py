@@ -31,6 +31,7 @@ from hybond.model.expressions import (
     turning,
     uses_pre,
 )
+from hybond.model.expressions.kinks import leaping
 from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
@@ -79,7 +80,13 @@ def put_kinks(t: ModelTables) -> None:
         rests.setdefault(read, given)
         rests.setdefault(simplify(Neg(read)), given)
     at_rest = [rests.get(simplify(a)) for a in found]
-    t.ints["kink_rest"] = [-1 if a is None else t.values.number(a) for a in at_rest]
+    sides = _sides_of_roots(t)
+    t.ints["kink_rest"] = [
+        -1 if a is None else t.values.number(a)
+        for a in (
+            sides.get(simplify(k)) if a is None else a for k, a in zip(found, at_rest, strict=True)
+        )
+    ]
     t.ints["kink_meets"] = [
         int(rest is not None and all(meets(e, simplify(a)) for e in said.get(a, ())))
         for a, rest in zip(found, at_rest, strict=True)
@@ -202,6 +209,17 @@ def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:
         if read in names(law) and is_flat_at_zero(law, read):
             found.append((Name(read), Name(f"{given}:{bond}"), node))
     return found
+
+
+def _sides_of_roots(t: ModelTables) -> dict[Expr, Expr]:
+    """Return what laws with a root compare, each by its simplest form.
+
+    A valve by ISO 6358 compares two pressures, and takes the root of a sum of their ratio which is
+    zero where they are equal: it may come to rest there. Whether it does is seen as it gets there.
+    """
+    if t.numbers["method"] not in FOLLOWED:
+        return {}
+    return {simplify(a): a for e, _ in _followed(t) if rooted(e) for a in leaping(e)}
 
 
 def _is_timed(t: ModelTables, jumping: Expr) -> bool:

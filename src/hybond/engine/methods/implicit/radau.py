@@ -52,6 +52,7 @@ from hybond.engine.methods.implicit.radau_stages import (
     rests,
 )
 from hybond.engine.methods.implicit.rates_in_stages import ask_rates_too
+from hybond.engine.methods.tolerances.noise_here import measure_here
 from hybond.engine.methods.tolerances.onset import foresee_onset
 from hybond.engine.methods.tolerances.scale import (
     CREEPS,
@@ -264,6 +265,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     r.rejected = 0
     r.f0_closely = False
     r.beside_known = False
+    measure_here(e, e.mode)
     tolerance(e, r.y0, r.y0, r.tolerance)
     while True:
         r.trial = h

@@ -402,6 +402,7 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
             if e.step.tried > 0.0 and not e.step.solved:
                 # an explicit step adds what it lasts for: else what is unstable seems no error
                 own_rounding = min(own_rounding, SEEN * e.rate_noise[k] * e.step.tried)
+            e.noise_matters = e.noise_matters or own_rounding > out[k]
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
     for k in range(m.storages, e.states):
         size = max(out[k], e.step.onset[k]) if begins else out[k]
