@@ -13,7 +13,6 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine
-from hybond.engine.guards.locator import NO_KINK
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
@@ -24,6 +23,8 @@ from hybond.engine.run.roots_reached import (
     is_far_from_rest,
     is_moved_on,
     leads_to_rest,
+    rest_of_guard,
+    see_rests,
     speed_of,
     time_to_see,
 )
@@ -43,9 +44,15 @@ def end_before_rest(e: Engine, r: Run, end: float) -> float:
     # a law that has no value behind its root ends steps there by itself
     if m.kinks == 0 or m.edges > 0 or e.slide.k > 0:
         return end
+    seen = False
     for k in range(g.guards):
-        kink = g.atom[g.atom_first[k]] - m.kink_atom
-        if g.side[k] == NO_KINK or m.kink_rest[kink] < 0:
+        kink = rest_of_guard(e, g, k)
+        if kink < 0:
+            continue
+        if not seen:
+            see_rests(e, r)
+            seen = True
+        if is_far_from_rest(r, kink):
             continue
         refusal = e.refusal
         asked = e.evaluations
@@ -65,8 +72,8 @@ def time_to_rest(e: Engine, r: Run, k: int) -> float:
     """Return how soon what is compared at kink k rests, infinity: not that is known."""
     atom = e.model.kink_rest[k]
     kink = e.model.atom_value[e.model.kink_atom + k]
-    away = at_state(e, r, atom, e.y)
-    if away == 0.0 or not math.isfinite(away) or is_far_from_rest(e, r, k, away):
+    away = r.rest_here[k]
+    if away == 0.0 or not math.isfinite(away):
         return math.inf
     if field(e, e.mode, e.t, e.y, r.rate) != OK:
         return math.inf
