@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from hybond.engine.algebra.twofold import product_rest, sum_rest
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.implicit.beside_kinks import is_beyond
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import rate_at
 from hybond.engine.mode.rows.acting import acting_of
@@ -17,12 +18,20 @@ from hybond.engine.words import Floats
 
 
 def take_together(
-    e: Engine, r: Radau, t: float, base: Floats, at: int, rates: Floats, closely: bool
+    e: Engine,
+    r: Radau,
+    t: float,
+    base: Floats,
+    at: int,
+    rates: Floats,
+    closely: bool,
+    one_side: bool,
 ) -> None:
     """Put the slopes at a state into the Jacobian that are found so, as `r.together` says then.
 
     The state stands in `base` from `at` on, and in ``r.shifted``; the rates there in `rates`, from
-    `at` on. Each state is shifted by ``r.delta``, or not at all where that is zero.
+    `at` on. Each state is shifted by ``r.delta``, or not at all where that is zero. What is shifted
+    beyond a kink is left out if slopes are to be those of `one_side`.
     """
     n = r.n
     for j in range(n):
@@ -37,6 +46,8 @@ def take_together(
                 r.shifted[j] = base[at + j] + r.delta[j]
                 some = True
         found = some and rate_at(e, n, t, r.shifted, r.end) == OK
+        if found and one_side and is_beyond(e, r):
+            found = False
         for j in range(n):
             if a.group.at[j] == g:
                 if found and r.delta[j] != 0.0:

@@ -126,8 +126,8 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
         r.delta[j] = way_of_shift(e, r, j, rtol)
     for j in range(n):
         r.together[j] = 0
-    if e.model.bends == 0.0 and not one_side:
-        take_together(e, r, r.t0, r.y0, 0, r.f0, closely)
+    if e.model.bends == 0.0:
+        take_together(e, r, r.t0, r.y0, 0, r.f0, closely, one_side)
     for j in range(n):
         if r.together[j] == 0:
             take_alone(e, r, j, one_side, closely)

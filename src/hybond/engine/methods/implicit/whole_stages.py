@@ -112,7 +112,7 @@ def slopes_of(e: Engine, r: Radau, s: int, rtol: float, shift: float) -> None:
             # an edge that is not at zero is as far as the state has moved from there
             delta = min(delta, max(NEAR * moved, LAST * math.fabs(here)))
         r.delta[j] = delta
-    take_together(e, r, t, r.y, s * n, r.f, False)
+    take_together(e, r, t, r.y, s * n, r.f, False, False)
     for a in range(r.parts):
         if r.together[r.part.at[a]] == 0:
             take_alone_at(e, r, s, r.part.at[a])
