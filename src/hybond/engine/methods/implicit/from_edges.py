@@ -60,6 +60,16 @@ diode that saturates there is one after several parts of a hundredth."""
 STALLED: Final = 4
 """Such parts in a row, none more than the one before: they lead into the edge for ever. A first
 guess may be far beyond an edge, but parts become larger then."""
+WITHIN: Final = 4
+"""Corrections in a row, each far within the tolerance, after which stages are found though less
+than all of each was taken: rounding throws them to and fro by as little. Where it is a slope
+without bound that makes one small, the next ones grow."""
+LESS: Final = 0.5
+"""Part of the least correction so far that another one is at most, if that leads anywhere: stages
+are found by a dozen of them, ..."""
+IN_VAIN: Final = 24
+"""... and not where so many in a row are none: they go round in circles, from one side of a kink
+to the other."""
 SHORTEST: Final = 2.0**-60
 """The smallest part of a correction that is tried, where laws have no values."""
 LEAST_PART: Final = 2.0**-12
@@ -163,6 +173,9 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     fit_whole(r)
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
     stalled = 0
+    within = 0
+    vain = 0
+    best = math.inf
     before = 1.0
     for _ in range(CORRECTIONS):
         if not solve_whole(e, r, rtol, DIGITS):
@@ -177,10 +190,17 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
         if e.model.bends > 0.0:
             held_by_law(e, r, r.other)
         r.size = mean_size(n, 3, r.left_over.at, r.other)
-        if part == 1.0 and r.size <= enough:
+        within = within + 1 if r.size <= enough else 0
+        if within >= WITHIN or (part == 1.0 and within > 0):
             end_stages(r)
             e.refusal = refusal
             return True
+        vain = vain + 1
+        if r.size < LESS * best:
+            best = r.size
+            vain = 0
+        if vain >= IN_VAIN:
+            return False
     return False
 
 
