@@ -18,6 +18,7 @@ from hybond.engine.laws.gaps_left import (
 )
 from hybond.engine.methods.control import GROW
 from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.methods.tolerances.scale import is_unmoved, start_scale
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
@@ -150,21 +151,21 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
         return -1
     if not some_guard_holds(e, g):
         forget_bonds(e)
-        if r.leads_back and ahead >= 0 and comes_nearer(e, r, ahead):
-            r.leads_back = False
-        return go_up_to(e, r, kink)
+        left = way_to_kink(e, r, ahead) if ahead >= 0 else math.inf
+        r.leads_back = r.leads_back and left == math.inf
+        return go_up_to(e, r, kink, left)
     g.at = e.step.t1
     if e.model.laws > 0:
         jumps_onto_contact(e, r)
     return GUARD
 
 
-def comes_nearer(e: Engine, r: Run, kink: int) -> bool:
-    """Whether the step has ended on the side of a kink on which it began, and far nearer to it.
+def way_to_kink(e: Engine, r: Run, kink: int) -> float:
+    """Return the time left to a kink to which a step has come far nearer, infinite if it has not.
 
-    Then no way has led back from behind it yet, however short the steps have become: the next one
-    may see that a guard holds there, as that of friction which comes to rest beside a law that
-    jumps at rest as well.
+    It has ended on the side on which it began. Then no way has led back from behind yet, however
+    short the steps have become: the next one may see that a guard holds there, as that of friction
+    which comes to rest beside a law that jumps at rest as well.
     """
     g = r.locator
     atom = e.model.atom_value[e.model.kink_atom + kink]
@@ -176,18 +177,22 @@ def comes_nearer(e: Engine, r: Run, kink: int) -> bool:
     after = compared(e, g, atom, e.step.t1)
     give_back_guess(e, e.mode)
     e.refusal = refusal
-    return before * after > 0.0 and math.fabs(after) <= NEARER * math.fabs(before)
+    if not (before * after > 0.0 and math.fabs(after) <= NEARER * math.fabs(before)):
+        return math.inf
+    return (e.step.t1 - e.step.t0) * after / (before - after)
 
 
-def go_up_to(e: Engine, r: Run, kink: float) -> int:
+def go_up_to(e: Engine, r: Run, kink: float, left: float) -> int:
     """Begin where a step has ended in which a kink made a guard hold, as `leave_or_go` says.
 
-    The next step ends before that kink. As long as the last one, it would see the kink again, and
-    end a little later, at what it makes of the guard then.
+    The next step ends before that kink, or where its motion meets it. As long as the last one, it
+    would see the kink again, and end a little later, at what it makes of the guard then.
     """
     found = leave_or_go(e, r, e.step.t1)
     if found == ANEW and kink > e.t:
         e.step.h = min(e.step.h, kink - e.t)
+    if found == ANEW and left > room_of_instant(e, e.t):
+        e.step.h = min(e.step.h, left)
     return found
 
 
