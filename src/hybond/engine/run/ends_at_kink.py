@@ -151,7 +151,9 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
         return -1
     if not some_guard_holds(e, g):
         forget_bonds(e)
-        left = way_to_kink(e, r, ahead) if ahead >= 0 else math.inf
+        # where a guard has held in vain before, it is the jump that holds the motion
+        asked = ahead >= 0 and r.jumps and r.idle == 0
+        left = way_to_kink(e, r, ahead) if asked else math.inf
         r.leads_back = r.leads_back and left == math.inf
         return go_up_to(e, r, kink, left)
     g.at = e.step.t1

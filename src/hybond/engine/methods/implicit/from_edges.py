@@ -60,10 +60,6 @@ diode that saturates there is one after several parts of a hundredth."""
 STALLED: Final = 4
 """Such parts in a row, none more than the one before: they lead into the edge for ever. A first
 guess may be far beyond an edge, but parts become larger then."""
-WITHIN: Final = 4
-"""Corrections in a row, each far within the tolerance, after which stages are found though less
-than all of each was taken: rounding throws them to and fro by as little. Where it is a slope
-without bound that makes one small, the next ones grow."""
 LESS: Final = 0.5
 """Part of the least correction so far that another one is at most, if that leads anywhere: stages
 are found by a dozen of them, ..."""
@@ -173,7 +169,6 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     fit_whole(r)
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
     stalled = 0
-    within = 0
     vain = 0
     best = math.inf
     before = 1.0
@@ -190,8 +185,7 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
         if e.model.bends > 0.0:
             held_by_law(e, r, r.other)
         r.size = mean_size(n, 3, r.left_over.at, r.other)
-        within = within + 1 if r.size <= enough else 0
-        if within >= WITHIN or (part == 1.0 and within > 0):
+        if part == 1.0 and r.size <= enough:
             end_stages(r)
             e.refusal = refusal
             return True
