@@ -160,6 +160,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
                             close, and goes on to be; whether it jumps away from it
         strike              impacts by a law that sees all closed contacts at once
         jumped_onto         contacts that a source has jumped onto, at which nothing arrived
+        approach_left       what is left of an approach, where what drove it ends there
         impacts_held        the law of impacts put back into itself
         branches            branches in each of the modes around a surface
     guards/

@@ -44,7 +44,7 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     """Hold the jump from `r.x` to `r.landed` against the law of impacts that the run asks for.
 
     Where branches of laws carry it, restitution is of the approach that ``pre()`` reads: of none
-    where a contact went apart before a source has jumped.
+    where a contact went apart before a source has jumped, of what is left where that is less.
     """
     m = e.model
     c = e.checks
@@ -57,6 +57,8 @@ def hold_impact(e: Engine, r: Laws, by_branches: bool) -> None:
     if by_branches:
         copy_part(2 * m.bonds, e.pre, m.bond_slot, c.prior, 0)
         times_partner(m, r.now, c.prior, c.before)
+        for k in range(m.ports):
+            c.before[k] += r.gone[k]
     for k in range(m.ports):
         if not by_branches and m.impact == NEWTON_SIMULTANEOUS and r.pressed[k] != 0:
             c.before[k] = 0.0

@@ -196,6 +196,8 @@ class Laws:
     apart: Ints
     units: Floats
     rebound: Floats
+    gone: Floats
+    """By how much the approach that restitution reads is less than it was before the instant."""
     edge: Ints
     """Friction at rest that gives all it can where nothing jumps."""
     here_moved: Floats
@@ -372,6 +374,7 @@ def make_laws(m: Model) -> Laws:
     r.apart = ints(n)
     r.units = floats(n)
     r.rebound = floats(n)
+    r.gone = floats(n)
     r.edge = ints(n)
     r.here_moved = floats(n)
     r.kept_energy = floats(m.storages + 1)

@@ -13,6 +13,7 @@ from hybond.engine.jumps.trial import (
     jump_into,
     take_factors,
 )
+from hybond.engine.laws.approach_left import leave_approaches
 from hybond.engine.laws.impacts_held import hold_impact
 from hybond.engine.laws.law_branches import (
     NO_DUST,
@@ -150,6 +151,7 @@ def strike_branches(e: Engine, r: Laws, x: Floats) -> int:
     if begin_trial(e, r.t, x, r.s, r.through) != OK:
         return REFUSED
     take_factors(e, e.mode, e.v)
+    leave_approaches(e, r)
     if jump_into(e, x, r.landed) != OK:
         return REFUSED
     r.struck = True

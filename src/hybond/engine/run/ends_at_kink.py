@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
-from hybond.engine.guards.together import LAST_PLACES
+from hybond.engine.guards.together import LAST_PLACES, kink_there
 from hybond.engine.instant.instant import GUARD, LAW
 from hybond.engine.laws.gaps_left import (
     forget_gaps,
@@ -16,13 +18,16 @@ from hybond.engine.laws.gaps_left import (
 )
 from hybond.engine.methods.control import GROW
 from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, start
 from hybond.engine.methods.tolerances.scale import is_unmoved, start_scale
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.run.guard_at_kink import (
     end_short_of_kink,
     last_before_kink,
     some_guard_holds,
 )
+from hybond.engine.run.held_by_kinks import compared
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
@@ -47,6 +52,8 @@ DOUBLED: Final = 16
 """Times that the way back from a kink is doubled: it is found where it is past by rounding."""
 SHORTER: Final = 0.25
 """Part of a step that saw a kink where there was none that the next one may be."""
+NEARER: Final = 0.5
+"""Part of the way to a kink that a step leaves at the most where it has come nearer to it."""
 ANEW: Final = -2
 """A step has ended, and the next begins anew behind it."""
 
@@ -136,6 +143,7 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
     """
     g = r.locator
     kink = last_before_kink(e, g, at)
+    ahead = kink_there(e, g)
     if e.model.laws > 0:
         see_before_kink(e, r, at)
     if end_short_of_kink(e, r, at) != OK:
@@ -143,22 +151,50 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
         return -1
     if not some_guard_holds(e, g):
         forget_bonds(e)
-        return go_up_to(e, r, kink)
+        # where a guard has held in vain before, it is the jump that holds the motion
+        asked = ahead >= 0 and r.jumps and r.idle == 0
+        left = way_to_kink(e, r, ahead) if asked else math.inf
+        r.leads_back = r.leads_back and left == math.inf
+        return go_up_to(e, r, kink, left)
     g.at = e.step.t1
     if e.model.laws > 0:
         jumps_onto_contact(e, r)
     return GUARD
 
 
-def go_up_to(e: Engine, r: Run, kink: float) -> int:
+def way_to_kink(e: Engine, r: Run, kink: int) -> float:
+    """Return the time left to a kink to which a step has come far nearer, infinite if it has not.
+
+    It has ended on the side on which it began. Then no way has led back from behind yet, however
+    short the steps have become: the next one may see that a guard holds there, as that of friction
+    which comes to rest beside a law that jumps at rest as well.
+    """
+    g = r.locator
+    atom = e.model.atom_value[e.model.kink_atom + kink]
+    refusal = e.refusal
+    hold_guess(e, e.mode)
+    copy_floats(e.states, e.step.y0, g.y)
+    before = compared(e, g, atom, e.step.t0)
+    copy_floats(e.states, e.step.y1, g.y)
+    after = compared(e, g, atom, e.step.t1)
+    give_back_guess(e, e.mode)
+    e.refusal = refusal
+    if not (before * after > 0.0 and math.fabs(after) <= NEARER * math.fabs(before)):
+        return math.inf
+    return (e.step.t1 - e.step.t0) * after / (before - after)
+
+
+def go_up_to(e: Engine, r: Run, kink: float, left: float) -> int:
     """Begin where a step has ended in which a kink made a guard hold, as `leave_or_go` says.
 
-    The next step ends before that kink. As long as the last one, it would see the kink again, and
-    end a little later, at what it makes of the guard then.
+    The next step ends before that kink, or where its motion meets it. As long as the last one, it
+    would see the kink again, and end a little later, at what it makes of the guard then.
     """
     found = leave_or_go(e, r, e.step.t1)
     if found == ANEW and kink > e.t:
         e.step.h = min(e.step.h, kink - e.t)
+    if found == ANEW and left > room_of_instant(e, e.t):
+        e.step.h = min(e.step.h, left)
     return found
 
 

@@ -84,6 +84,8 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
         back_to_guard(e, g)
     elif made == OK and not apart and at > before:
         made = carry_to_guard(e, r, at, room)
+    elif made == OK and apart and at - e.step.t0 <= room and not by_radau(e):
+        made = lead_to_guard(e, r, at, room)
     return made
 
 
@@ -150,6 +152,30 @@ def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
         if noted_hold(e, g) or begin + 2.0 * way > at + room:
             return OK
         way = max(2.0 * way, LAST_PLACES * spacing(at))
+
+
+def lead_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
+    """Lead a step that is within the instant, and begins before the kink, to where all holds.
+
+    It goes by the rates where it begins: of those behind the kink nothing may show.
+    """
+    g = r.locator
+    s = e.step
+    if field(e, e.mode, s.t0, s.y0, r.rate) != OK:
+        return REFUSED
+    n = e.states
+    way = at - s.t0
+    while s.t0 + way <= at + room:
+        s.t1 = s.t0 + way
+        for k in range(4 * n):
+            s.dense[k] = way * r.rate[k] if k < n else 0.0
+        for i in range(n):
+            s.y1[i] = s.y0[i] + s.dense[i]
+        g.looked = math.nan
+        if noted_hold(e, g):
+            return OK
+        way = 2.0 * way
+    return retry(e, at)
 
 
 def noted_hold(e: Engine, g: Locator) -> bool:

@@ -53,10 +53,14 @@ def begins_at_edge(e: Engine, r: Radau, rtol: float) -> bool:
 def own_stages(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     """Find the stages by slopes of their own; where there are none, those serve no step after this.
 
-    They are of places that were tried: at an edge without bound.
+    They are of places that were tried: at an edge without bound. Where none have been found of a
+    step as long as this one, none are: they hang on no matrix.
     """
-    if stages_from_edge(e, r, rtol, least):
+    vain = r.h == r.vain_h and least >= r.vain_least
+    if not vain and stages_from_edge(e, r, rtol, least):
         return True
+    r.vain_h = r.h
+    r.vain_least = r.vain_least if vain else least
     for i in range(r.n):
         r.made_for[i] = 0.0
     return False

@@ -60,6 +60,12 @@ diode that saturates there is one after several parts of a hundredth."""
 STALLED: Final = 4
 """Such parts in a row, none more than the one before: they lead into the edge for ever. A first
 guess may be far beyond an edge, but parts become larger then."""
+LESS: Final = 0.5
+"""Part of the least correction so far that another one is at most, if that leads anywhere: stages
+are found by a dozen of them, ..."""
+IN_VAIN: Final = 24
+"""... and not where so many in a row are none: they go round in circles, from one side of a kink
+to the other."""
 SHORTEST: Final = 2.0**-60
 """The smallest part of a correction that is tried, where laws have no values."""
 LEAST_PART: Final = 2.0**-12
@@ -163,6 +169,8 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     fit_whole(r)
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
     stalled = 0
+    vain = 0
+    best = math.inf
     before = 1.0
     for _ in range(CORRECTIONS):
         if not solve_whole(e, r, rtol, DIGITS):
@@ -181,6 +189,12 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
             end_stages(r)
             e.refusal = refusal
             return True
+        vain = vain + 1
+        if r.size < LESS * best:
+            best = r.size
+            vain = 0
+        if vain >= IN_VAIN:
+            return False
     return False
 
 

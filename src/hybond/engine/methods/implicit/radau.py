@@ -263,6 +263,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     h = max(min(h, longest), smallest)
     may_land = remaining <= longest * (1.0 + 1e-12)
     r.rejected = 0
+    r.vain_h = 0.0
     r.f0_closely = False
     r.beside_known = False
     measure_here(e, e.mode)

@@ -96,6 +96,10 @@ class Radau:
     y: Floats
     z: Floats
     last: Floats
+    vain_h: float
+    vain_least: float
+    """The length of the step from here of which no stages with slopes of their own were found, and
+    the least part of a correction that it was asked to take; no length: none was looked for."""
     swings: bool
     """Whether they have swung about zero, which foresees nothing of the next step."""
     swung: Floats

@@ -403,7 +403,9 @@ def with_free(mode: Mode, n: int, base: Floats, r: Floats, w: Floats) -> None:
     finite = all_finite(frees, r)
     for k in range(n):
         if finite:
-            w[k] = with_free_one(mode, base, r, k)
+            part = frees > 0 and mode.share_first.at[k] < mode.share_first.at[k + 1]
+            # what no unknown has part in is what it is
+            w[k] = with_free_one(mode, base, r, k) if part else base[k] + 0.0
             continue
         total = base[k]
         size = math.fabs(base[k])
@@ -420,10 +422,11 @@ def with_free_one(mode: Mode, base: Floats, r: Floats, k: int) -> float:
     frees = mode.finite_frees
     total = base[k]
     size = math.fabs(base[k])
-    for p in range(
-        mode.share_first.at[k] if frees > 0 else 0, mode.share_first.at[k + 1] if frees > 0 else 0
-    ):
-        term = mode.finite_free.at[k * frees + mode.share_of.at[p]] * r[mode.share_of.at[p]]
+    first = mode.share_first.at[k] if frees > 0 else 0
+    behind = mode.share_first.at[k + 1] if frees > 0 else 0
+    for p in range(first, behind):
+        j = mode.share_of.at[p]
+        term = mode.finite_free.at[k * frees + j] * r[j]
         total += term
         size += math.fabs(term)
     most = LAST_PLACES if mode.bent else 0.0
