@@ -284,6 +284,22 @@ def test_inputs_as_tables_and_pulses_in_closed_form() -> None:
     assert found["z_q"][-1] == pytest.approx(2.0 * high - (2.0 - high), abs=1e-8)
 
 
+def test_tables_that_fall_or_begin_before_the_run_are_words_of_modelica() -> None:
+    m = hb.Model("falls")
+    m.add(once=hb.Sf("a"), again=hb.Sf("b"), x=hb.C(1), y=hb.C(1), nx=hb.Zero(), ny=hb.Zero())
+    m.bond("once -> nx -> x", "again -> ny -> y")
+    m.input(
+        a=hb.Input(table=[[-1, 3], [0.5, 0], [1, -2], [2, -4]], linear=True),
+        b=hb.Input(table=[[-0.5, 2], [0.25, -1]], linear=True, period=1.0),
+    )
+    text = to_modelica(m)
+    assert not re.search(r"[-+*/] -", text)  # no sign stands behind an operator there
+    found = in_peer(text, 3.0)
+    # triangles and trapezoids: 1/2*1/2 - 1/2*2/2 - 3 - 4, three periods of mean 1/2
+    assert found["x_q"][-1] == pytest.approx(0.25 - 0.5 - 3 - 4, abs=1e-6)
+    assert found["y_q"][-1] == pytest.approx(1.5, abs=1e-6)
+
+
 @pytest.mark.parametrize("turned", [False, True])
 def test_capacitors_joined_share_their_charge_either_way(turned: bool) -> None:
     m = hb.Model("caps")

@@ -35,6 +35,12 @@ LEAST_NEARBY: Final = 1e-24
 """Part of a state's size over which a slope is found at least."""
 UPDATED: Final = 1e-11
 """Newton ends when an update is below this part of what is updated."""
+SETTLED: Final = 1e-12
+"""Part of its terms by which the last iteration moves a bond variable at most: what is left of the
+laws is a part of that, as slopes may be those of an earlier step. Else one more is made, ..."""
+NEARER: Final = 0.5
+"""... as long as it moved them by no more than this part of what the one before did: that is no
+rounding yet."""
 NEAR_END: Final = 1e-6
 """An update below this part of what is updated leaves slopes as they are, for what shares are to
 be and what is put back on its constraints: the error of what follows is that part of the update."""
@@ -92,6 +98,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     for k in range(m.ports):
         s.went_l[k] = 0.0
     projected = False
+    last_w = math.inf
     first = True
     of_step = not c.known
     near = NEARBY
@@ -134,7 +141,13 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         if near < NEARBY:
             # steep there, and not where it leads: no step ends by them alone, none begins with them
             c.known = False
-        if projected or (update <= UPDATED and (near >= NEARBY or last <= UPDATED)):
+        ends = update <= UPDATED and (near >= NEARBY or last <= UPDATED)
+        comes_nearer = s.went_w > SETTLED and s.went_w <= NEARER * last_w
+        last_w = s.went_w
+        if ends and comes_nearer and not projected and turn < NEWTON_ROUNDS - 1:
+            last = update
+            continue
+        if projected or ends:
             copy_floats(m.storages, s.y, s.move)
             if constrain(e, s, p) != OK:
                 return REFUSED
@@ -193,10 +206,11 @@ def begin_anew(e: Engine, s: Stepping, c: Coupled) -> None:
 def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled, last: float, late: bool) -> float:
     """Go to the end that an iteration has found; return how far that was, in its own measure.
 
-    `s.free` is `l` before it, `s.mean` the bond variables. What goes back most of the way that it
-    came, by `last`, goes on but a part of it: at an orifice, which takes a root of the pressure,
-    Newton's method goes to and fro without an end. Where it is `late`, bond variables are measured
-    by what there has been, too: what a root makes of nothing is rounding.
+    `s.free` is `l` before it, `s.mean` the bond variables; `s.went_w` becomes how far these went.
+    What goes back most of the way that it came, by `last`, goes on but a part of it: at an orifice,
+    which takes a root of the pressure, Newton's method goes to and fro without an end. Where it is
+    `late`, bond variables are measured by what there has been, too: what a root makes of nothing is
+    rounding.
     """
     m = e.model
     n = c.n
@@ -211,6 +225,7 @@ def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled, last: float, la
         update = max(update, math.fabs(change) / s.weight[k])
         if not math.isfinite(change):
             update = math.inf
+    s.went_w = 0.0
     # where nothing acts on a bond but the rounding of other laws, that is all it has
     measure_rounding(m, s, p, c)
     for b in range(2 * m.bonds):
@@ -226,7 +241,8 @@ def advance_newton(e: Engine, s: Stepping, p: Ports, c: Coupled, last: float, la
             ever = s.ever_effort[i] if b < m.bonds else s.ever_flow[i]
             scale += LAW_DUST_PART * ever
         if scale > 0.0:
-            update = max(update, 1e-2 * math.fabs(rest) / scale)
+            s.went_w = max(s.went_w, math.fabs(rest) / scale)
+    update = max(update, 1e-2 * s.went_w)
     for j in range(m.ports):
         change = s.l[j] - s.free[j]
         back += (change / s.able[j]) * (s.went_l[j] / s.able[j])

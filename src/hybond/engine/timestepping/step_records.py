@@ -120,7 +120,9 @@ class Stepping:
     change: Floats
     went: Floats
     went_l: Floats
-    """How far the last iteration of Newton's method wanted to go, with the state and with `l`."""
+    went_w: float
+    """How far the last iteration of Newton's method wanted to go, with the state and with `l`; how
+    far bond variables went by `l`, as a part of their terms."""
     weight: Floats
     most_effort: Floats
     most_flow: Floats

@@ -58,8 +58,7 @@ def _table(found: InputText, table: Timetable, name: str, slope: str) -> None:
     for p in pieces:
         begin = table.times[p - 1] if p else 0.0
         value, rate = table.value(begin, p), table.rate(begin, p)
-        moved = f" + {number(rate)}*(time - {number(begin)})" if rate else ""
-        values.append(f"{number(value)}{moved}")
+        values.append(_line(value, number(rate) if rate else "0", _behind(begin)))
     found.equations.append(f"{name} = {_choice(times, values)};")
     if slope:
         rates = [number(table.rate(table.times[p - 1] if p else 0.0, p)) for p in pieces]
@@ -95,12 +94,22 @@ def _repeating(found: InputText, table: Timetable, name: str, slope: str) -> Non
     rates = ["0", *(_rate(table, p) for p in range(1, rows + 1))]
     values = [number(table.values[0])]
     for k, rate in enumerate(rates[1:]):
-        begin = f"{number(table.times[k])} - {number(table.period)}*{turn}"
-        moved = f" + ({rate})*(time - {begin})" if rate != "0" else ""
-        values.append(f"{number(table.values[k])}{moved}")
+        since = f"{_behind(table.times[k])} - {number(table.period)}*{turn}"
+        values.append(_line(table.values[k], rate, since))
     found.equations.append(f"{name} = {_row(found.piece, values)};")
     if slope:
         found.equations.append(f"{slope} = {_row(found.piece, rates)};")
+
+
+def _line(value: float, rate: str, since: str) -> str:
+    """Return a straight line; Modelica has no sign behind another operator."""
+    slope = f"({rate})" if rate.startswith("-") else rate
+    return number(value) + (f" + {slope}*({since})" if rate != "0" else "")
+
+
+def _behind(begin: float) -> str:
+    """Return the time since an instant, which may lie before the run."""
+    return f"time + {number(-begin)}" if begin < 0.0 else f"time - {number(begin)}"
 
 
 def _rate(table: Timetable, piece: int) -> str:
