@@ -178,13 +178,13 @@ def test_nothing_is_said_where_it_is_right() -> None:
     assert not hb.simulate(beside(3), AT[-1], solver="radau").warnings
 
 
-@pytest.mark.parametrize(("resistance", "told"), [(1e-4, True), (0.1, False)])
+@pytest.mark.parametrize(("resistance", "told"), [(1e-4, True), (1e3, False)])
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 def test_a_smooth_pipe_between_vessels_at_50_bar(
     solver: str, resistance: float, told: bool
 ) -> None:
-    """5e-9 Pa drive what flows through it at rest, of which a digit is left; a thousand times that
-    is seen well enough. Before steps are implicit far more flows, for 1e-15 s.
+    """1e-8 Pa drive what flows through it at rest, of which a digit is left; 0.1 Pa are seen well.
+    Before steps are implicit far more flows, for 1e-15 s.
     """
     m = hb.Model("pipe", domain="hydraulic")
     m.add(S=hb.Sf("1e-4 m^3/s"), a=hb.Zero(), A=hb.C("7e-13 m^3/Pa", e="50 bar"), j=hb.One())

@@ -235,8 +235,7 @@ class Model:
     dissipator_sign: Ints  # 1 if the bond points at the resistor
 
     # signals, inputs, time
-    integral_rate: Ints
-    """Pair ``rules + k`` is the same on pairs."""
+    integral_rate: Ints  # pair ``rules + k`` is the same on pairs
     integral_size: Ints  # what its rounding is measured by
     integral_start: Floats
     signals_act: int  # whether any of these rates reads an integrated signal
@@ -441,6 +440,7 @@ class Model:
     course_group: Ints  # of those that are terms of one sum: the same number
     course_value: Ints
     course_phase: Ints  # 1: what the plant moves has a say in it, 0: all of it is known
+    course_whole: Ints  # the part that is the comparison of which it is a term, -1: none, several
     course_first: Ints  # of each: when it counts, by kind and number; a kind is one of four
     course_user: Ints  # 0: always, 1: where a source acts, 2: a switch is ON, 3: a rule is asked
     course_index: Ints

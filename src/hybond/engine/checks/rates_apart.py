@@ -18,9 +18,7 @@ from hybond.engine.reasons.warned import RATES_APART, add_about, begin_warning
 OF_ITSELF: Final = 0.01
 """Part of itself that a rate may be apart without a word."""
 OF_LASTING: Final = 25.0
-"""Likewise of the largest of its kind, in tolerances: implicit steps ask no more of rates ..."""
-FINEST: Final = 1e-4
-"""... and no less than this part of it, which nobody sees."""
+"""Likewise of the largest of its kind, in tolerances: implicit steps ask no more of rates."""
 LONG: Final = 1e-3
 """Part of the run that is long."""
 NOTHING: Final = 0.1
@@ -61,8 +59,7 @@ def most_unseen(e: Engine, k: int) -> float:
     Steps that are about to be found too long may have led to far larger ones, for a moment.
     """
     m = e.model
-    part = max(OF_LASTING * m.rtol, FINEST)
-    return part * e.checks.lasting[m.bond_class[rate_bond(m, k)]]
+    return OF_LASTING * m.rtol * e.checks.lasting[m.bond_class[rate_bond(m, k)]]
 
 
 def tell_rates_apart(e: Engine) -> None:

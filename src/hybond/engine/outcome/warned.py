@@ -280,11 +280,11 @@ class Warnings:
         path, rate = self._rate_of(storage)
         return (
             f"from {now[3:]} on, for {lasts:.3g} s, the {rate} of {path} is not what fills it, and "
-            f"what laws beside it say is off as well: by up to {most:.2g} at t = {at:.6g} s, where "
-            f"{moves:.3g} fills it. What drives it is a difference far below the tolerance of what "
+            f"what laws beside it say is off as well: by up to {most:.2g} where steps end, as at "
+            f"t = {at:.6g} s, where {moves:.3g} fills it, and by more between. What drives it is a difference far below the tolerance of what "
             f"is stored, or rounding of it, and a law that is steep there makes much of that; "
-            f"what {path} stores is right. A linear part beside that law, as r*f beside "
-            "k*f*abs(f), ends it"
+            f"what {path} stores is right. More resistance ends it, as r*f beside k*f*abs(f), or "
+            "one storage for both"
         )
 
     def _rate_of(self, storage: int) -> tuple[str, str]:

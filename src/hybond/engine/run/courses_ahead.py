@@ -15,11 +15,12 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
-from hybond.engine.expressions.course_ranges import farthest
+from hybond.engine.expressions.course_ranges import Ranges, farthest
 from hybond.engine.method_numbers import EULER, MOREAU, RK4
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.tolerances.scale import FAINT, measure_ahead
 from hybond.engine.mode.mode_records import Mode, Reads
+from hybond.engine.model import Model
 from hybond.engine.reasons.warned import COURSE_UNSEEN, add_about, begin_warning
 from hybond.engine.run.courses_kept import keep_courses
 from hybond.engine.run.phases import give_back_plant, hold_plant, put_now, put_signals, see_plant
@@ -233,7 +234,7 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
     r = c.ranges
     range_parts(m, r, e.v, a, b)
     for k in range(m.courses):
-        if e.mode.course[k] == 0:
+        if e.mode.course[k] == 0 or is_settled(m, r, m.course_whole[k]):
             continue
         root = m.course_root[k]
         size = farthest(r.low[root], r.high[root])
@@ -260,6 +261,11 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         if e.mode.course[k] != 0 and math.isfinite(size):
             c.size[m.course_group[k]] = max(c.size[m.course_group[k]], size)
     return -1
+
+
+def is_settled(m: Model, r: Ranges, whole: int) -> bool:
+    """Whether a comparison is clear of zero all over an interval: its terms do nothing there."""
+    return whole >= 0 and (r.low[whole] > 0.0 or r.high[whole] < 0.0)
 
 
 def see_peaks(e: Engine) -> None:

@@ -82,6 +82,7 @@ def put_courses(t: ModelTables) -> None:
     group: dict[Expr, int] = {}
     wholes: dict[Expr, int] = {}
     phases: set[Expr] = set()
+    compares: dict[Expr, Expr | None] = {}
     before = Beforehand(t)
     for e, user, compared in _read(t):
         own = _own(t, user)
@@ -93,10 +94,15 @@ def put_courses(t: ModelTables) -> None:
                         group[term] = wholes.setdefault(whole, len(wholes))
                     users.setdefault(term, {})[user] = None
                     phases |= {term} if phased else set()
+                    alone = compared and phased and compares.get(term, e) == e
+                    compares[term] = e if alone else None
     made = _Making(t, before)
     t.ints["course_root"] = [made.place_of(bounded(e)) for e in users]
     t.ints["course_group"] = [group[e] for e in users]
     t.ints["course_place"] = [_place_of(t, *next(iter(own))) for own in users.values()]
+    t.ints["course_whole"] = [
+        -1 if e is None else made.place_of(bounded(e)) for e in compares.values()
+    ]
     t.ints["course_phase"] = [int(e in phases) for e in users]
     t.ints["course_value"] = [t.values.number(e) for e in users]
     rows = [list(own) for own in users.values()]
