@@ -16,6 +16,7 @@ from hybond.model import fieldless
 from hybond.model.builder import Model
 from hybond.model.dimensions import Loose
 from hybond.model.expressions import Expr, Name, names, parse
+from hybond.model.expressions.sided_roots import sided_roots
 from hybond.model.expressions.slots import Slots
 from hybond.model.flat_pieces import with_flat_pieces
 from hybond.model.graph import Bond, FlatGraph, Integral, Node, Storage
@@ -129,6 +130,8 @@ def _flatten(
         for k, raw in enumerate(raw_nodes):
             if raw.written is not None and raw.kind not in ("0", "1"):
                 law = law_of(nodes[k], raw.written, resolver, dimensions)
+                sided = tuple(sided_roots(e) for e in law.expressions)
+                law = law if sided == law.expressions else replace(law, expressions=sided)
                 nodes[k] = replace(nodes[k], law=law)
     except UnitError:  # where a signal is wrong in itself, that is the place
         for path in opened.signals:

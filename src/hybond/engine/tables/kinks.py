@@ -22,6 +22,7 @@ from hybond.model.expressions import (
     Name,
     Neg,
     Number,
+    differentiate,
     ending,
     jumping,
     meets,
@@ -193,7 +194,8 @@ def _is_led_on(t: ModelTables, a: Expr) -> bool:
 def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:
     """Return what laws read that are flat where it is zero, what they give, and the elements.
 
-    A root the other way round: of ``e = k*f*abs(f)`` the flow is the root of the effort.
+    A root the other way round: of ``e = k*f*abs(f)`` the flow is the root of the effort. What only
+    decides of the sides of another root is none.
     """
     bonds = len(t.graph.bonds)
     found: list[tuple[Expr, Expr, int]] = []
@@ -206,7 +208,8 @@ def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:
         of, given = ("e", "f") if partner < bonds else ("f", "e")
         bond = partner % bonds
         law, read = t.values.all[value], f"{of}:{bond}"
-        if read in names(law) and is_flat_at_zero(law, read):
+        side = rooted(law) and simplify(differentiate(law, read)) == Number(0.0)
+        if read in names(law) and not side and is_flat_at_zero(law, read):
             found.append((Name(read), Name(f"{given}:{bond}"), node))
     return found
 

@@ -133,7 +133,7 @@ def ending(e: Expr) -> list[Expr]:
                 found.append(part.args[0])
             case Binary("^", left, Number(value)) if _may_be_a_root(value):
                 found.append(left)
-    return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(e)]
+    return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(_moving(e))]
 
 
 def rooted(e: Expr) -> list[Expr]:
@@ -206,6 +206,16 @@ def _beside(e: Expr, name: Name, above: bool) -> Expr:
 def _may_be_a_root(power: float) -> bool:
     """Whether a power of what is below zero has no value; of a parameter nobody knows."""
     return is_slotted(power) or (power > 0.0 and power % 1.0 != 0.0)
+
+
+def _moving(e: Expr) -> Expr:
+    """Return a product without its constant factors: where it has its sign, they have no say."""
+    match e:
+        case Binary("*", left, right) if not names(left):
+            return _moving(right)
+        case Binary("*" | "/", left, right) if not names(right):
+            return _moving(left)
+    return e
 
 
 def _is_magnitude(e: Expr) -> bool:
