@@ -282,7 +282,8 @@ class Warnings:
             f"from {now[3:]} on, for {lasts:.3g} s, the {rate} of {path} is not what fills it, and "
             f"what laws beside it say is off as well: by up to {most:.2g} where steps end, as at "
             f"t = {at:.6g} s, where {moves:.3g} fills it, and by more between. What drives it is a "
-            f"difference far below the tolerance of what is stored, or rounding of it, and a law that is steep there makes much of that; "
+            f"difference far below the tolerance of what is stored, or rounding of it, and a law "
+            f"that is steep there makes much of that; "
             f"what {path} stores is right. More resistance ends it, as r*f beside k*f*abs(f), or "
             "one storage for both"
         )
