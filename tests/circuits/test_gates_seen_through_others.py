@@ -147,3 +147,65 @@ def test_a_switch_that_looks_at_its_own_voltage_rectifies(tmp_path, drive):
     diode = ("D1 a x one", ".model one D(RON=10m VFWD=0)")
     found, wanted = (seen(read(tmp_path, (*rows, *way))[1]) for way in (drive, diode))
     assert found == pytest.approx(wanted, rel=1e-6)
+
+
+BUCK = (
+    "V1 in 0 12", "Vt tri 0 PULSE(0 1 0 9.9u .1u 10n 10u)", "Ve en 0 PWL(0 1 50u 1 51u 0)",
+    "B2 s 0 V = V(en)*(0.45 > V(tri) ? 5 : 0)", "D1 0 sw d", "L1 sw x 47u", "R1 x 0 3",
+    ".model d D(IS=1e-14 N=0.01 RS=0.02)", ".model one SW(RON=50m ROFF=1g)",
+)  # fmt: skip
+
+
+def test_a_gate_that_rests_behind_a_divider_slides_nowhere(tmp_path):
+    """Enabled for five periods; at each edge after that both sides were said to push into 0 V."""
+    through = (*BUCK, "Rg s g 10", "Rb g 0 10k", "S1 in sw g 0 one")
+    runs = [
+        hb.simulate(read(tmp_path, rows)[1].model, "200 us")
+        for rows in (through, (*BUCK, "S1 in sw s 0 one"))
+    ]
+    assert [(r.status, r.warnings, len(r.sliding)) for r in runs] == [("ok", (), 0)] * 2
+    assert [e.t for e in runs[0].events] == pytest.approx([e.t for e in runs[1].events], rel=1e-12)
+    times = np.linspace(1e-6, 199e-6, 67).tolist()
+    found, wanted = (np.asarray(r["L1.f"].at(times)) for r in runs)
+    assert found == pytest.approx(wanted, rel=1e-9, abs=1e-12)
+
+
+def test_a_rectified_sine_behind_a_divider_has_one_way_on(tmp_path):
+    """The two sides of its threshold at the start were said to be two motions."""
+    rows = ("V1 s 0 SIN(0 1 1k)", "B1 a 0 V = abs(V(s))", "V2 in 0 10", "C1 x 0 1u", "R1 x 0 100")
+    rows += ("Ra a g 1k", "Rb g 0 1k", "S1 in x g 0 one", ".model one SW(RON=50m ROFF=1g)")
+    conversion = read(tmp_path, rows)[1]
+    (notice,) = (str(w) for w in conversion.warnings if "threshold" in str(w))
+    for state in ("at_threshold_from_above", "at_threshold_from_below"):
+        assert state in conversion.model.machines["S1_state"].states
+        assert state in notice
+    run = hb.simulate(conversion.model, "2 ms")
+    assert (run.status, run.warnings) == ("ok", ())
+    times = np.linspace(1e-7, 1.9e-3, 20)
+    on = 10 * 100 / 100.05  # charged through 50 mohm beside 100 ohm, at once after the start
+    charged = on * -np.expm1(-times / (1e-6 / (1 / 0.05 + 1 / 100)))
+    assert np.asarray(run["x.e"].at(times.tolist())) == pytest.approx(charged, rel=1e-6)
+
+
+def test_a_comparison_of_a_source_beside_a_load_switches_when_it_says(tmp_path):
+    """|325 sin| = 5 at asin(5/325) beside each zero; one of them was slid on, by rounding."""
+    rows = ("V1 a 0 SIN(0 325 50)", "Bz z 0 V = abs(V(a)) < 5 ? 5 : 0", "Rz z zc 10k")
+    rows += ("Cz zc 0 10n", "B1 t 0 V = V(zc) > 2.5 ? 1 : 0", "S1 a k t 0 one", "R1 k m 50")
+    rows += ("L1 m 0 50m", ".model one SW(VT=0.5 RON=10m ROFF=1g)")
+    rows += ("S2 a p t 0 one", "R2 p 0 1k")
+    run = hb.simulate(read(tmp_path, rows)[1].model, "100 ms")
+    assert (run.status, run.warnings, len(run.sliding)) == ("ok", (), 0)
+    beside = np.arcsin(5 / 325) / (100 * np.pi)
+    wanted = sorted(t for k in range(11) for t in (k / 100 - beside, k / 100 + beside))[1:-1]
+    fired = [(e.t, f.machine) for e in run.events for step in e.steps for f in step.fired]
+    found = [t for t, machine in fired if machine == "Bz_comparison"]
+    assert [t for t in found if t > 0] == pytest.approx(wanted, abs=1e-14)
+
+
+def test_what_is_said_of_many_elements_is_said_once(tmp_path):
+    rows = [f"R{k} n{k} n{k + 1} 10" for k in range(6)]
+    rows += [f"G{k} n{k} 0 VALUE={{1e-3*V(n{k})**3}}" for k in range(1, 7)]
+    warnings = read(tmp_path, ("V1 n0 0 1", *rows))[1].warnings
+    (told,) = (str(w) for w in warnings if "power 3" in str(w))
+    assert ":9: " in told
+    assert told.endswith("(G1, G2, G3 and 3 more)")

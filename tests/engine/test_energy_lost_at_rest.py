@@ -115,15 +115,13 @@ def test_a_valve_that_empties_a_vessel_does_so_too(solver: str) -> None:
     assert run.audit().energy < 2e-8
 
 
-@pytest.mark.parametrize(("solver", "inside"), [("rk45", 6.8), ("radau", 4.0)])
+@pytest.mark.parametrize(("solver", "inside"), [("rk45", 6.8), ("radau", 3.0)])
 def test_what_is_lost_between_the_ends_of_steps_is_told(
     solver: str, inside: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without what ends steps at rest, as it is told: as much as the audit finds, in J."""
     monkeypatch.setattr("hybond.engine.run.motion.end_before_rest", lambda e, r, end: end)
     m = valve(inside, 7.0)
-    if solver == "radau":
-        m.elements["v"] = hb.R({"f": "if p > r then sqrt(max(0, p - r)) else -sqrt(max(0, r - p))"})
     until = RESTS + 0.2 if solver == "rk45" else 5.0
     run = hb.simulate(m, until, solver=solver, engine="python")
     off = run.audit().energy * 24.5  # J, of what is stored at 7

@@ -202,7 +202,7 @@ def read_circuit(
     origins = {name: _origin(line, str(path)) for name, line in lines.items()}
     return Conversion(
         model,
-        tuple(notices.found),
+        notices.told(),
         origins,
         made.measures(),
         made.steps(),

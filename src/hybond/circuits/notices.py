@@ -51,12 +51,43 @@ class Notice:
         return f"{self.where}: {self.what}"
 
 
+NAMED = 3
+"""Elements of one notice that are named, the others are counted."""
+
+
 @dataclass
 class Notices:
     """The warnings of one conversion, in the order in which they came up, each once."""
 
-    found: dict[Notice, None] = field(default_factory=dict)
+    found: dict[Notice, str] = field(default_factory=dict)
+    """With the first word of its line."""
 
     def add(self, line: Line, what: str) -> None:
         """Note something about a line."""
-        self.found[Notice(line.place, what)] = None
+        self.found.setdefault(Notice(line.place, what), "".join(line.text.split(maxsplit=1)[:1]))
+
+    def told(self) -> tuple[Notice, ...]:
+        """Return the warnings; what is said of many elements is said once, at the first of them.
+
+        Examples
+        --------
+        >>> notices = Notices()
+        >>> for k in range(5):
+        ...     notices.add(Line("ladder.cir", 2 + k, f"G{k} a 0 1"), "left out")
+        >>> print(*notices.told())
+        ladder.cir:2: left out (G0, G1, G2 and 2 more)
+        """
+        elements: dict[str, list[tuple[Notice, str]]] = {}
+        for notice, name in self.found.items():
+            if name[:1].isalpha():
+                elements.setdefault(notice.what, []).append((notice, name))
+        found = {notice: notice for notice in self.found}
+        for what, group in elements.items():
+            if len(group) > NAMED:
+                names = ", ".join(name for _, name in group[:NAMED])
+                first = group[0][0]
+                for notice, _ in group[1:]:
+                    del found[notice]
+                more = len(group) - NAMED
+                found[first] = Notice(first.where, f"{what} ({names} and {more} more)")
+        return tuple(found.values())

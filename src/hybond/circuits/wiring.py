@@ -18,7 +18,7 @@ from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts, minus
-from hybond.circuits.thresholds import Rest, machine_of, rest_of, started
+from hybond.circuits.thresholds import FALLEN, RISEN, Rest, machine_of, rest_of, started
 from hybond.circuits.woven import Terms, Woven, written
 from hybond.errors import FileError
 from hybond.model.builder import Model
@@ -162,13 +162,14 @@ class Assembly:
             rest = rest_of(branch, ideal, self.given)
             if not rest.told and self.feedback.on_itself(k):
                 rest = Rest(">", "<")
-            if rest.told:
+            if rest.told or rest.remembers:
                 side = f"taken as {_side(ideal, above=rest.up == '>=')}"
                 if rest.remembers:
-                    side = "on the other side than where it came from"
+                    side = f"on the other side than where it came from (states {RISEN}, {FALLEN})"
+                rests = "rests" if rest.told else "may rest"
                 self.notices.add(
                     branch.line,
-                    f"{branch.name}: what it follows rests at its threshold of {ideal.on:g} "
+                    f"{branch.name}: what it follows {rests} at its threshold of {ideal.on:g} "
                     f"{unit}, where it is {side}",
                 )
         machine = machine_of(sensed, on, off, junction, ideal, rest)

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Any
 
+from hybond.equations.given_by_sources import GivenBySources
 from hybond.model.expressions import (
     And,
     Binary,
@@ -89,7 +90,37 @@ def surfaces_of(graph: FlatGraph) -> tuple[Surface, ...]:
             # a third rule between two states: which of them decides is not for us to say
             if len(others) == 1 and (others[0].source, others[0].target) == (up.target, up.source):
                 found += _between(machine.index, up, others[0])
-    return tuple(found)
+    return tuple(_led_by_motion(graph, found))
+
+
+def _led_by_motion(graph: FlatGraph, found: list[Surface]) -> list[Surface]:
+    """Return surfaces without those of what sources alone decide: these are crossed, never held.
+
+    But those that their own machine makes jump stay, so that this is told.
+    """
+    doubtful = [s for s in found if not any(n.startswith(("s:", "x:")) for n in names(s.g))]
+    if not doubtful:
+        return found
+    given = GivenBySources(graph)
+    left = []
+    for s in found:
+        reads = given.read_by(s.g)
+        if reads is None or s.machine in _deciding(graph, given, reads):
+            left.append(s)
+    return left
+
+
+def _deciding(graph: FlatGraph, given: GivenBySources, reads: Iterable[int]) -> set[int]:
+    """Return machines that have a say at once: those read, those that their rules read, and on."""
+    found: set[int] = set()
+    todo = list(reads)
+    while todo:
+        k = todo.pop()
+        if k not in found:
+            found.add(k)
+            for rule in graph.machines[k].rules:
+                todo += given.machines_in(rule.guard)
+    return found
 
 
 @lru_cache(1024)
