@@ -112,6 +112,8 @@ def radau_too_small(e: Engine, r: Radau) -> int:
 
 def radau_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step, ending at `t_end`."""
+    # what begins where it does has the size that it had then
+    e.step.t = e.radau.start
     made = retry_radau(e, e.radau, e.model.rtol, t_end, min(e.model.max_step, e.longest))
     if made != STEP_MADE:
         return radau_failed(e)

@@ -18,7 +18,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.engine import OK, Engine
-from hybond.engine.methods.tolerances.scale import SHORT, tolerance
+from hybond.engine.methods.tolerances.scale import SHORT, tolerance, within_bent
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import field
@@ -34,6 +34,8 @@ CHAIN: Final = 2
 """Storages at the least, of which one moves another."""
 AT_ONCE: Final = 1e-6
 """Part of the moment in which what begins to move does so."""
+DISTINCT: Final = 0.6180339887498949
+"""The golden section, whose multiples are as far from each other as can be."""
 SHORTER: Final = 1.0 / 16.0
 """What a moment is to the last one, in which something was too fast."""
 
@@ -65,7 +67,12 @@ def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool
     tolerance(e, y, y, s.began_at)
     s.onset_end = t + soon
     for k in range(e.states):
-        least = s.began_at[k] / e.model.rtol if k < e.model.storages and s.onset[k] == 0.0 else 0.0
+        least = 0.0
+        if k < e.model.storages and s.onset[k] == 0.0:
+            # behind a law that is flat there energy says nothing of how far it may have moved
+            least = within_bent(e, k, y, s.began_at[k] / e.model.rtol)
+            # no two alike: nothing is between what moves alike
+            least *= 0.5 + 0.5 * math.fmod(DISTINCT * float(k + 1), 1.0)
         s.began_at[k] = y[k] + math.copysign(least, f[k])
     found = stirs(e, mode, t, y, f, soon)
     for _ in range(TRIES if found else 0):
