@@ -237,7 +237,25 @@ def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
         lead_back(e, way, part_of_step(l, step, t), l.points.step_state, 3 * e.states * step, l.y)
         found = solve_point(e, l, t, accepted)
         way += 1
-    return found
+    return from_its_end(e, l, a, i, t) if found != OK and l.points.in_steps else found
+
+
+def from_its_end(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
+    """Evaluate it from what laws say at the end of its step.
+
+    From nothing Newton's method may not find what is next to nothing, where laws are flat, or steep,
+    as just behind the instant at which a source passes zero.
+    """
+    step = l.points.step[i]
+    end = l.points.step_time[3 * step + 2]
+    e.mode.guessed = False
+    accepted = take_from_step(e, l, a, step, end)
+    e.t = end
+    if solve_point(e, l, end, accepted) != OK:
+        return REFUSED
+    accepted = take_from_step(e, l, a, step, t)
+    e.t = t
+    return solve_point(e, l, t, accepted)
 
 
 def solve_point(e: Engine, l: Look, t: float, accepted: bool) -> int:
