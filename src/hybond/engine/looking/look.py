@@ -243,8 +243,8 @@ def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
 def from_its_end(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
     """Evaluate it from what laws say at the end of its step.
 
-    From nothing Newton's method may not find what is next to nothing, where laws are flat, or steep,
-    as just behind the instant at which a source passes zero.
+    From nothing Newton's method may not find what is next to nothing, where laws are flat, or
+    steep, as just behind the instant at which a source passes zero.
     """
     step = l.points.step[i]
     end = l.points.step_time[3 * step + 2]
