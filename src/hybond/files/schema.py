@@ -7,6 +7,7 @@ matrices, names used once) is checked in `elements` and `decode`.
 
 from __future__ import annotations
 
+from inspect import cleandoc
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -314,6 +315,10 @@ def json_schema() -> dict[str, Any]:
     """
     shapes = [File, *ELEMENTS.values()]
     references, parts = msgspec.json.schema_components(shapes, ref_template="#/$defs/{name}")
+    for part in parts.values():
+        # as it is read, however far it is set in: some releases of msgspec leave that
+        if "description" in part:
+            part["description"] = cleandoc(part["description"])
     # msgspec has no union of records without a tag: here the kind key is the tag.
     one_element = {"oneOf": list(references[1:])}
     for model in ("File", "Submodel"):
