@@ -83,6 +83,24 @@ def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int
     return end_there(e, g) if is_unseen(e, g) else OK
 
 
+def land_as_led(e: Engine, g: Locator, room: float, end: float, last: float, tries: int) -> int:
+    """Land, and where only far shorter steps lead there, as far as a repeated step has led.
+
+    What is found ahead by a long step may not be there by those, or earlier.
+    """
+    made = land(e, g, room, end, last, tries)
+    for _ in range(SHORTER):
+        led = by_radau(e) and e.step.off > 1.0 and e.step.t1 > e.step.t0
+        if made == OK or not led:
+            break
+        if locate(e, g) != OK:
+            return REFUSED
+        if g.at == math.inf:
+            return OK
+        made = land(e, g, room, end, last, tries)
+    return made
+
+
 def is_unseen(e: Engine, g: Locator) -> bool:
     """Whether something is over in the step so soon that its polynomial may know nothing of it."""
     if g.tied or e.model.kinks + e.model.slide_kinks > 0 or g.at >= e.step.t1 or g.at <= e.step.t0:

@@ -54,7 +54,7 @@ ASIDE: Final = 0.25
 def end_at_kink(e: Engine, r: Run, at: float) -> int:
     """End the step just behind a kink; REFUSED where it leads nowhere.
 
-    What is behind the kink must not show before it. Where the two are one instant, the step ends
+    Where only far shorter steps lead there, it ends before, and the run makes them. What is behind the kink must not show before it. Where the two are one instant, the step ends
     before the kink, and is carried over by the rates there: the next one begins behind it.
     """
     g = r.locator
@@ -66,7 +66,11 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     apart = before <= e.step.t0 or behind - before > room
     for k in range(g.guards):
         g.done[k] = 1 if g.side[k] != NO_KINK and holds_at(e, g, k, at) else 0
+    refusal = e.refusal
     made = retry(e, at if apart else before)
+    if made != OK and by_radau(e) and e.step.off > 1.0:
+        e.refusal = refusal
+        return OK
     if made == OK and e.step.off > 1.0 and not apart:
         before = out_of_sight(e, before, behind, room)
         made = retry(e, before)

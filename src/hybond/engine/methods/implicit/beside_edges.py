@@ -18,8 +18,10 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.implicit.from_edges import (
+    DIGITS,
     STALLS,
     leaves_edge,
+    stages_by_foreseen,
     stages_from_edge,
 )
 from hybond.engine.methods.implicit.radau_factors import factorise
@@ -33,10 +35,13 @@ from hybond.engine.methods.implicit.radau_stages import (
     rate_at,
     stage_rates,
 )
-from hybond.engine.methods.implicit.settled_rates import settle_rates
+from hybond.engine.methods.implicit.settled_rates import SHORT_PART, settle_rates
 from hybond.engine.methods.implicit.whole_stages import put_left, take_all
 from hybond.engine.surfaces.values import evaluate
 
+SOONER: Final = 0.1
+"""Part of a step for which no stages were found that the next one is at most for which they are
+looked for again."""
 LESSENS: Final = 0.5
 """Part of what was left of the equations that a correction may leave of them."""
 
@@ -57,12 +62,29 @@ def own_stages(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     step as long as this one, none are: they hang on no matrix.
     """
     vain = r.h == r.vain_h and least >= r.vain_least
-    if not vain and stages_from_edge(e, r, rtol, least):
+    if not vain and stages_from_edge(e, r, rtol, least, DIGITS):
         return True
     r.vain_h = r.h
     r.vain_least = r.vain_least if vain else least
     for i in range(r.n):
         r.made_for[i] = 0.0
+    return False
+
+
+def stages_through_rest(e: Engine, r: Radau, rtol: float) -> bool:
+    """Find stages by slopes of their own where one matrix does not serve a flow beside rest.
+
+    The slope of a root is far from that of the next stage there, however smooth the motion is.
+    """
+    if e.model.begins == 0 or e.slide.k > 0 or (r.vain_h > 0.0 and r.h > SOONER * r.vain_h):
+        return False
+    if stages_by_foreseen(e, r, rtol, STALLS, SHORT_PART):
+        return True
+    if stages_from_edge(e, r, rtol, STALLS, SHORT_PART):
+        return True
+    r.vain_h = r.h
+    r.vain_least = STALLS
+    r.matrix = NO_MATRIX
     return False
 
 

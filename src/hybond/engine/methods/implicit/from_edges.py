@@ -31,6 +31,7 @@ from hybond.engine.methods.implicit.radau_stages import (
     FRESH_MATRIX,
     STAGE_1,
     STAGE_2,
+    foresee,
     mean_size,
     place_stages,
     rate_at,
@@ -51,6 +52,8 @@ FEW: Final = 400
 FILLS: Final = 16
 """Times that what flows in is led on to the next one that is empty."""
 CORRECTIONS: Final = 200
+FEW_CORRECTIONS: Final = 12
+"""As many where a smooth motion is followed: slopes of its own halve what is left of a root."""
 STALLS: Final = 2.0**-5
 """Part of a correction that laws have values for, at the most, where a motion runs into an edge:
 there is no way on. Where one runs beside it, there is one for a quarter and more."""
@@ -155,7 +158,7 @@ def is_off_edge(e: Engine, t: float, y: Floats) -> bool:
     return off
 
 
-def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
+def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float, shift: float) -> bool:
     """Find the stages of a step, and a Jacobian at its end; False where there are none.
 
     No part of a correction that is less than `least` is taken for progress. What was tried beyond
@@ -165,17 +168,42 @@ def stages_from_edge(e: Engine, r: Radau, rtol: float, least: float) -> bool:
     refusal = e.refusal
     if n == 0 or n > FEW or not fill_stages(e, r):
         return False
+    return find_stages(e, r, rtol, least, shift, refusal)
+
+
+def stages_by_foreseen(e: Engine, r: Radau, rtol: float, least: float, shift: float) -> bool:
+    """Find the stages of a step as from an edge, from where the step before says they are."""
+    n = r.n
+    refusal = e.refusal
+    if n == 0 or n > FEW or not r.known:
+        return False
+    foresee(r)
+    place_stages(r)
+    if stage_rates(e, r) != OK:
+        e.refusal = refusal
+        return False
+    fit(r.kept, 3 * n)
+    return find_stages(e, r, rtol, least, shift, refusal)
+
+
+def find_stages(
+    e: Engine, r: Radau, rtol: float, least: float, shift: float, refusal: bool
+) -> bool:
+    """Find stages, and a Jacobian at the end, by corrections with slopes of their own."""
+    n = r.n
     take_all(r)
     fit_whole(r)
     enough = max(ENOUGH, 10.0 * 2.220446049250313e-16 / rtol)
+    seen = enough if shift < DIGITS else 0.0
+    corrections = FEW_CORRECTIONS if shift < DIGITS else CORRECTIONS
     stalled = 0
     vain = 0
     best = math.inf
     before = 1.0
-    for _ in range(CORRECTIONS):
-        if not solve_whole(e, r, rtol, DIGITS):
+    for _ in range(corrections):
+        if not solve_whole(e, r, rtol, shift):
             return False
-        part = correct_within(e, r)
+        part = correct_within(e, r, seen)
         stalled = stalled + 1 if part <= min(before, LOST) else 0
         before = part
         if part <= least or stalled >= STALLED:
@@ -245,7 +273,7 @@ def fill_stages(e: Engine, r: Radau) -> bool:
     return stage_rates(e, r) == OK
 
 
-def correct_within(e: Engine, r: Radau) -> float:
+def correct_within(e: Engine, r: Radau, seen: float) -> float:
     """Correct the stages by what is solved for; return the part of it that was taken.
 
     As much of it as laws have values for, and after which the next correction, by the same slopes,
@@ -257,15 +285,18 @@ def correct_within(e: Engine, r: Radau) -> float:
     copy_floats(many, r.left_over.at, r.last)
     part = move_stages(e, r, 1.0)
     first = part
-    while part > first * LEAST_PART and throws_back(r):
+    while part > first * LEAST_PART and throws_back(r, seen):
         part = move_stages(e, r, 0.5 * part)
-    if part > 0.0 and throws_back(r):
+    if part > 0.0 and throws_back(r, seen):
         part = move_stages(e, r, first)
     return part
 
 
-def throws_back(r: Radau) -> bool:
-    """Whether the next correction, by the same slopes, is longer than the last one."""
+def throws_back(r: Radau, seen: float) -> bool:
+    """Whether the next correction, by the same slopes, is longer than the last one.
+
+    Of what is more than a part `seen` of the tolerance.
+    """
     n = r.n
     put_left(r, r.next_one.at)
     solve_by_whole(r, r.next_one.at)
@@ -273,7 +304,7 @@ def throws_back(r: Radau) -> bool:
     most = 0.0
     for k in range(3 * n):
         unit = max(math.fabs(r.kept.at[k]), math.fabs(r.last[k]))
-        if unit > 0.0:
+        if unit > 0.0 and math.fabs(r.next_one.at[k]) > seen * r.tolerance[k % r.n]:
             last = max(last, math.fabs(r.last[k]) / unit)
             most = max(most, math.fabs(r.next_one.at[k]) / unit)
     return most > last

@@ -19,6 +19,7 @@ from hybond.engine.methods.implicit.beside_edges import (
     begins_at_edge,
     iterate_beside_edge,
     own_stages,
+    stages_through_rest,
 )
 from hybond.engine.methods.implicit.beside_kinks import leads_beyond
 from hybond.engine.methods.implicit.from_edges import keep_within, widen
@@ -186,6 +187,9 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     if found == STAGES_FAILED and fresh and takes_nearer_slopes(e, r, rtol):
         if factorise(r) != SINGULAR:
             found = iterate_beside_edge(e, r, rtol)
+    if found == STAGES_FAILED and fresh and not r.sided and stages_through_rest(e, r, rtol):
+        if factorise(r) != SINGULAR:
+            found = STAGES_CONVERGED
     through = found == STAGES_FAILED and fresh and r.sided and goes_through(e, r, rtol)
     if through:
         found = STAGES_CONVERGED

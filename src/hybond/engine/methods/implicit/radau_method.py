@@ -111,10 +111,15 @@ def radau_too_small(e: Engine, r: Radau) -> int:
 
 
 def radau_retry(e: Engine, t_end: float) -> int:
-    """Repeat the last step, ending at `t_end`."""
+    """Repeat the last step, ending at `t_end`.
+
+    Where that takes too many shorter steps it is refused, and the step ends where they have led.
+    """
     # what begins where it does has the size that it had then
     e.step.t = e.radau.start
     made = retry_radau(e, e.radau, e.model.rtol, t_end, min(e.model.max_step, e.longest))
+    if e.step.off > 1.0:
+        accept_radau(e)
     if made != STEP_MADE:
         return radau_failed(e)
     accept_radau(e)

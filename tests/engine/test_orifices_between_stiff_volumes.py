@@ -1,0 +1,96 @@
+"""Turbulent orifices between volumes of oil in SI units: pressures of 1e7 Pa that differ by 1e-6."""
+
+import math
+
+import numpy as np
+import pytest
+
+import hybond as hb
+from scipy.integrate import solve_ivp
+
+W, Q = 274.69717876038743, 3.3794125206124035e-05
+SMALL, LARGE = 2.6739455852334826e-14, 6.706724322760052e-14
+
+
+def check_valve_whose_flow_touches_zero() -> hb.Model:
+    """A pump that pauses for no time at all, behind a check valve between two volumes."""
+    m = hb.Model("pauses", domain="hydraulic")
+    m.add(
+        S=hb.Sf(f"{Q!r}*(1+sin({W!r}*time))"),
+        n=hb.Zero(),
+        A=hb.C(f"{SMALL!r} m^3/Pa", e="7.3 MPa"),
+        j=hb.One(),
+        V=hb.R({"f": "7.208650825684926e-07*sqrt(max(0,e))"}),
+        k=hb.Zero(),
+        B=hb.C(f"{LARGE!r} m^3/Pa", e="7.384 MPa"),
+    )
+    m.bond("S -> n -> A", "n -> j -> k -> B", "j -> V")
+    return m
+
+
+def orifice_beside_a_pipe(law: str) -> hb.Model:
+    """A chamber joined to an accumulator by an orifice and a pipe, that follow by next to nothing."""
+    m = hb.Model("follows", domain="hydraulic")
+    m.add(
+        S=hb.Sf("4.4e-4*(1+0.5*sin(154.86*time))"),
+        n=hb.Zero(),
+        A=hb.C({"e": "4.35e6*(7.4e-4/(7.4e-4-q))^1.4"}, q="0 m^3"),
+        out=hb.One(),
+        E=hb.R({"f": "7.9e-07*sqrt(max(0,e-50000.0))"}),
+        c=hb.Zero(),
+        C=hb.C("3.18e-14 m^3/Pa", e="5 MPa"),
+        j=hb.One(),
+        V=hb.R({"f": law}),
+        i=hb.One(),
+        I=hb.I("1.517e7 Pa*s^2/m^3"),
+        R=hb.R("4.823e9 Pa*s/m^3"),
+    )
+    m.bond("S -> n -> A", "n -> out -> E", "c -> C", "c -> j -> n", "j -> V")
+    m.bond("c -> i -> n", "i -> I", "i -> R")
+    return m
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_flow_that_touches_zero_is_passed(solver: str) -> None:
+    run = hb.simulate(check_valve_whose_flow_touches_zero(), until=0.05, solver=solver)
+    t = 0.05
+    pumped = Q * (t + (1.0 - math.cos(W * t)) / W)
+    held = run["A.q"].at(t) + run["B.q"].at(t)
+    assert held == pytest.approx(SMALL * 7.3e6 + LARGE * 7.384e6 + pumped, rel=1e-9)
+    # what passes is what fills the second volume as fast as the first
+    passes = Q * (1.0 + math.sin(W * t)) * LARGE / (SMALL + LARGE)
+    apart = run["A.e"].at(t) - run["B.e"].at(t)
+    assert apart == pytest.approx((passes / 7.208650825684926e-07) ** 2, rel=1e-3)
+    assert run.status == "ok"
+    assert run.stats["steps"] < 3000
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "2.16e-07*sign(e)*sqrt(abs(e))",
+        "if e > 0 then 2.16e-07*sqrt(e) else -2.16e-07*sqrt(-e)",
+    ],
+)
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_orifice_that_next_to_nothing_drives_takes_few_steps(solver: str, law: str) -> None:
+    end = 0.2
+    run = hb.simulate(orifice_beside_a_pipe(law), until=end, solver=solver)
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        a, c, i = y
+        gas = 4.35e6 * (7.4e-4 / (7.4e-4 - a)) ** 1.4
+        apart = c / 3.18e-14 - gas
+        # smooth within 1e-6 of what pressures are
+        flow = 2.16e-07 * apart / (apart**2 + 1.0) ** 0.25 + i
+        leaves = 7.9e-07 * math.sqrt(max(0.0, gas - 50000.0))
+        fills = 4.4e-4 * (1.0 + 0.5 * math.sin(154.86 * t))
+        return [fills - leaves + flow, -flow, (apart - 4.823e9 * i) / 1.517e7]
+
+    there = solve_ivp(
+        rates, (0.0, end), [0.0, 3.18e-14 * 5e6, 0.0], method="LSODA", rtol=1e-9, atol=1e-18
+    ).y[:, -1]
+    gas = 4.35e6 * (7.4e-4 / (7.4e-4 - there[0])) ** 1.4
+    assert run["A.e"].at(end) == pytest.approx(gas, rel=1e-6)
+    assert run["C.e"].at(end) == pytest.approx(gas, rel=1e-6)
+    assert run.stats["steps"] < 1500
