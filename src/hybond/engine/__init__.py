@@ -169,6 +169,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         locate, locator     the first instant of a step at which a guard holds
         watching            which are looked for in a mode
         guard_values, guard_shape, candidates, bracket    by samples
+        rim                 up to where what a guard compares is rounding
         solved_guards, step_polynomials, quartic    by polynomials
         unresolved          what laws carry, beside its rounding
         far_guards, kinks_afar      those that do not come to hold, which is seen at once

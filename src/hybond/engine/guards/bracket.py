@@ -9,10 +9,13 @@ from hybond.engine.engine import Engine
 from hybond.engine.guards.guard_values import atom_at, holds_at
 from hybond.engine.guards.locator import SAMPLES, Locator
 from hybond.engine.guards.naps import is_asleep
+from hybond.engine.guards.rim import asked_at, find_rim, forget_asked
 from hybond.engine.methods.explicit.dopri import spacing
 
 SEARCH: Final = 40
 """Most iterations of one root or extremum search."""
+NEXT_TO: Final = 4.0
+"""How far looks beside a root go, beside the first, before its comparison is asked how far to."""
 
 
 def root(e: Engine, g: Locator, which: int, low: float, high: float) -> float:
@@ -84,7 +87,10 @@ def bracket(e: Engine, g: Locator, k: int, low: float, high: float) -> float:
     g.bracket_low = low
     g.bracket_high = high
     if turned == 1 and crosses:
-        around(e, g, k, root_between(e, g, which, low, at_low, high, at_high), False)
+        at = root_between(e, g, which, low, at_low, high, at_high)
+        around(e, g, k, at, False, which, (at_high - at_low) / (high - low))
+        return halve(e, g, k)
+    forget_asked(g)
     return halve(e, g, k)
 
 
@@ -95,42 +101,53 @@ def halve(e: Engine, g: Locator, k: int) -> float:
     wide = 4.0 * spacing(max(math.fabs(low), math.fabs(high)))
     while high - low > wide and not g.failed:
         middle = 0.5 * (low + high)
-        if holds_at(e, g, k, middle):
+        if asked_at(e, g, k, middle):
             high = middle
         else:
             low = middle
     return high
 
 
-def around(e: Engine, g: Locator, k: int, here: float, known: bool) -> None:
+def around(
+    e: Engine, g: Locator, k: int, here: float, known: bool, which: int, rate: float
+) -> None:
     """Narrow the bracket to near the root of its comparison, at which `known` says that it holds.
 
     The guard may hold a little before it, because rounding counts as zero, or a little after, where
     the comparison is strict. All guards are asked alike: a bounce ever smaller begins and ends at
-    the same distance then.
+    the same distance then. Of comparison `which`, if it is not negative, the `rate` is about known.
     """
+    forget_asked(g)
     reach = 4.0 * spacing(here)
     low = g.bracket_low
     high = g.bracket_high
+    far = here + NEXT_TO * reach
     if known or holds_at(e, g, k, here):
+        g.already = here
         if not g.rounded and g.part[k] < 0:
             g.bracket_low = here
             g.bracket_high = here
             return
+        far = here - NEXT_TO * reach
         yes = here
         at = here - reach
-        while at > low and not g.failed and holds_at(e, g, k, at):
+        while at > low and not g.failed and asked_at(e, g, k, at):
             yes = at
             reach = 2.0 * reach
             at = here - reach
+            if at == far and which >= 0:
+                find_rim(e, g, k, which, rate, yes)
         g.bracket_low = max(at, low)
         g.bracket_high = yes
         return
+    g.not_yet = here
     no = here
     at = here + reach
-    while at < high and not g.failed and not holds_at(e, g, k, at):
+    while at < high and not g.failed and not asked_at(e, g, k, at):
         no = at
         reach = 2.0 * reach
         at = here + reach
+        if at == far and which >= 0:
+            find_rim(e, g, k, which, rate, no)
     g.bracket_low = no
     g.bracket_high = min(at, high)

@@ -209,6 +209,10 @@ class Locator:
     at: float
     bracket_low: float
     bracket_high: float
+    not_yet: float
+    """The last instant at which a guard whose beginning is looked for is known not to hold."""
+    already: float
+    """The first at which it is known to."""
 
 
 def make_instants(n: int) -> Instants:

@@ -309,7 +309,7 @@ def begin_near(e: Engine, g: Locator, k: int, low: float, here: float, high: flo
     g.bracket_high = high
     # if not there then a last place further on the comparison has changed its sign
     known = holds_at(e, g, k, here)
-    around(e, g, k, here if known else min(here + spacing(here), high), known)
+    around(e, g, k, here if known else min(here + spacing(here), high), known, -1, 0.0)
     return halve(e, g, k)
 
 

@@ -74,6 +74,11 @@ def newton_steps(
     for k in range(m.storages if not begun else 0):
         w.reach_before[k] = w.reach[k]
     for turn in range(STEPS):
+        if turn > 0 and not ways.known:
+            # slopes are many residuals, of which none is asked any more where all is met
+            gap_at(e, mode, v, x, ways, 0.0)
+            if best < math.inf and is_met(e, mode, best):
+                return OK
         if not ways.known:
             put_here(m.storages, x, ways, w.nu.at, w.here)
             slope_of(e, mode, v, w.here, ways)
@@ -85,23 +90,15 @@ def newton_steps(
             if turn == 0 and not begun:
                 w.gap_first.at[i] = w.gap_size.at[i]
             w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
-        own = meets_own_terms(e, mode, BEST)
-        rank = jump_step(e, ways, count)
-        worst = 0.0
-        most = 0.0
-        for i in range(count):
-            size = w.gap_size.at[i]
-            off = math.fabs(w.gap.at[i]) / (size if size > 0.0 else 1.0)
-            # what overflows is no solution, though its size does as well
-            worst = max(worst, off) if math.isfinite(off) else math.inf
-            most = max(most, size)
+        worst = furthest(e, w.gap_size.at)
         if turn == 0 and not begun:
             w.missing = worst
-        # where the slopes are wrong by a corner of a law it comes nearer by a part of the way only
-        stays = worst >= (0.5 if own else CREEPS) * best
-        met = (own and worst <= BEST) or (worst <= CONSISTENT and stays)
-        if met and best < math.inf:
+        if ways.known and best < math.inf and is_met(e, mode, best):
             return OK
+        rank = jump_step(e, ways, count)
+        most = 0.0
+        for i in range(count):
+            most = max(most, w.gap_size.at[i])
         if rank < count and unreached(count, areas, w.gap.at, ways.slope.at, w.step.at) > (
             1e-9 * most
         ):
@@ -132,6 +129,21 @@ def newton_steps(
         if not (off <= 1e-9 * max(w.gap_first.at[i], w.gap_size.at[i]) and off < math.inf):
             return FAR
     return OK
+
+
+def is_met(e: Engine, mode: Mode, best: float) -> bool:
+    """Whether the constraints hold; they have come as near as `best` before.
+
+    Residuals are there, with what their terms are now; sizes are not less than they were at first.
+    """
+    w = e.work
+    for i in range(w.constraints):
+        w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
+    own = meets_own_terms(e, mode, BEST)
+    worst = furthest(e, w.gap_size.at)
+    # where the slopes are wrong by a corner of a law it comes nearer by a part of the way only
+    stays = worst >= (0.5 if own else CREEPS) * best
+    return (own and worst <= BEST) or (worst <= CONSISTENT and stays)
 
 
 def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:

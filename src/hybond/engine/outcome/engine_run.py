@@ -100,11 +100,11 @@ class EngineRun:
         self._last = self.trace.begin if begin is not None else 0.0
         """... and when that was."""
         self._run = model.run(runners)
+        self._end = float(model.tables.numbers["until"]) if until is None else until
         if begin is not None:
-            end = float(model.tables.numbers["until"]) if until is None else until
             try:
                 self._run.begin_from(
-                    begin.number, begin.place, way=begin.way, until=end, deep=begin.deep
+                    begin.number, begin.place, way=begin.way, until=self._end, deep=begin.deep
                 )
             except ValueError as error:
                 raise not_of_this_model(str(error)) from None
@@ -310,6 +310,7 @@ class EngineRun:
 
         numbers = self.tables.numbers
         limits = {name: numbers[name] for name in ("max_writes", "max_events", "max_steps")}
+        limits["until"] = self._end
         fault = Fault(refusal, self._run.mode, limits, int(numbers["method"]))
         records = self.records
         return error_of(

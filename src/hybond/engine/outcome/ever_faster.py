@@ -8,6 +8,7 @@ they are as 1/n, so that the events come as ``exp(t)``, and no step gets past th
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.chronicle import Chronicle
@@ -24,8 +25,11 @@ BAND = (
 )
 
 
-def said_of_many(events: Chronicle[Event], why: str, where: str) -> Said:
-    """Return what is said of too many events, with their machine if all the last are of one."""
+def said_of_many(events: Chronicle[Event], why: str, where: str, until: float) -> Said:
+    """Return what is said of too many events, with their machine if all the last are of one.
+
+    How many more it would take until the end is said where they come at one pace.
+    """
     many = len(events)
     if many < 4 * SEEN:
         return Said(why, where)
@@ -40,7 +44,11 @@ def said_of_many(events: Chronicle[Event], why: str, where: str) -> Said:
         return Said(
             f"{why}: {machine} switches ever faster, {last:.3g} s apart at last", where, BAND
         )
-    return Said(f"{why}: {machine} switches every {last:.3g} s at last", where)
+    told = f"{why}: {machine} switches every {last:.3g} s at last"
+    more = (until - events[-1].t) / last
+    if 1.0 <= more < math.inf:
+        told += f", which is {more:.3g} times more until t = {until:.9g} s"
+    return Said(told, where)
 
 
 def _fired(event: Event) -> list[Fired]:

@@ -105,7 +105,8 @@ class Fault:
     mode : Mode
         That was tried, or in which time passed.
     limits : dict
-        Numbers of the run that it may have come up against, by the name of their option.
+        Numbers of the run that it may have come up against, by the name of their option; when it
+        was to end.
     method : int
         Of the run, as `hybond.engine.tables.options.METHODS` has it.
     """
@@ -160,7 +161,8 @@ def error_of(
             )
         case "HB-N404":
             most = int(fault.limits["max_events"])
-            said = said_of_many(events, f"more than {most} events by t = {refusal.t:.9g} s", here)
+            why = f"more than {most} events by t = {refusal.t:.9g} s"
+            said = said_of_many(events, why, here, fault.limits["until"])
         case "HB-N409":
             most = int(fault.limits["max_steps"])
             mean = f", of {refusal.about[0]:.3g} s in the mean" if refusal.about else ""

@@ -14,7 +14,7 @@ does not move at all. There the rates themselves are asked, beside where the mot
 A step beyond the rim is within its tolerance where what decays has died out to far below that. The
 current of a diode that charges a small capacitor is all that is left of it, and changes its sign
 with such a step: the diode would block and conduct in turn. So steps in which a guard came to hold
-count for more.
+count for more, and do where they only began beyond the rim.
 
 What was counted outlives events: a motion that switches every few steps is stiff all the same.
 
@@ -46,6 +46,8 @@ FORGOTTEN: Final = 6
 """... unless so many in between were not."""
 CUT: Final = 5
 """For how many of them one more counts, in which a guard came to hold."""
+SECOND: Final = 5.0
+"""The part of a step after which its second stage is, inverted."""
 LONG_RIM: Final = 1.0
 LONG_ROW: Final = 1000
 EASY: Final = 2.0
@@ -74,7 +76,7 @@ def watch_explicit(e: Engine, h: float, grown: float) -> None:
     if e.states > LARGE:
         return
     size = h * fastest(e)
-    s.past_rim = size > RIM
+    s.past_rim = size > RIM or began_past(e)
     if size > RIM:
         s.bound += 1
         s.free = 0
@@ -94,11 +96,32 @@ def watch_explicit(e: Engine, h: float, grown: float) -> None:
         s.turns = True
 
 
+def began_past(e: Engine) -> bool:
+    """Whether the last step began beyond the rim, by its first two stages, wherever it ends.
+
+    A diode that begins to carry a current as the root of a voltage is as steep as can be there.
+    """
+    s = e.step
+    n = e.states
+    changes = 0.0
+    rates = 0.0
+    for k in range(n):
+        unit = s.scale[k]
+        if unit > 0.0 and unit < math.inf:
+            change = (s.k[n + k] - s.k[k]) / unit
+            rate = s.k[k] / unit
+            changes += change * change
+            rates += rate * rate
+    # the second stage is a fifth of the step on
+    return math.sqrt(changes) * SECOND > RIM * math.sqrt(rates)
+
+
 def watch_cut(e: Engine) -> None:
     """Learn from a step of ``rk45`` that ends where a guard came to hold in it."""
     s = e.step
     if s.past_rim:
         s.bound += CUT
+        s.free = 0
         s.turns = s.turns or s.bound >= ROW
     s.past_rim = False
 
