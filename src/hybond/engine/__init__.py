@@ -222,6 +222,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         step_motion         that of time-stepping, which locates nothing
         slid_at_limit       crossings that accumulate where surfaces meet, and slide from there
         noted, slips_followed    the end of a step; steps that follow slip in the plane
+        ever_more           events that would be far too many long before the end
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
         contradictions      sources that do not agree behind one
         guard_at_kink, ends_at_kink    a guard that holds at one; steps that end there

@@ -160,7 +160,11 @@ def error_of(
             )
         case "HB-N404":
             most = int(fault.limits["max_events"])
-            said = said_of_many(events, f"more than {most} events by t = {refusal.t:.9g} s", here)
+            why = f"more than {most} events by t = {refusal.t:.9g} s"
+            if refusal.about:
+                so_far, more = refusal.about
+                why = f"{so_far:.0f} events by t = {refusal.t:.9g} s, and {more:.0e} to come"
+            said = said_of_many(events, why, here)
         case "HB-N409":
             most = int(fault.limits["max_steps"])
             mean = f", of {refusal.about[0]:.3g} s in the mean" if refusal.about else ""
