@@ -179,7 +179,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         naps, blurred       kinks that end no steps for a while; roots that a step does not tell
         waiting             rules whose guards are on their way off their thresholds
         noise               whether samples are rough between neighbours
-        together, ends_at_guard    what is one instant with it; the step that ends there
+        together, within_rounding    what is one instant with it; as rounding cannot tell
+        ends_at_guard       the step that ends there
     instant/
         settle, settling, enabled    trying modes at an instant until none is left; what a cycle is
                             told by; which rules hold

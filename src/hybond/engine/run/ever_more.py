@@ -13,7 +13,7 @@ from typing import Final
 from hybond.engine.engine import Engine, say_fault
 from hybond.engine.expressions.functions import exp_less_one
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.run_records import PACES, Run
+from hybond.engine.run.run_records import PACES_KEPT, Run
 
 PACED: Final = 1024
 """Events of which the time is taken together."""
@@ -31,25 +31,25 @@ def outruns(e: Engine, r: Run) -> bool:
     """Whether events would be too many long before the end, at the rate at which they grow."""
     if r.events % PACED != 0:
         return False
-    if r.paced > PACES:
-        for k in range(PACES):
+    if r.paced > PACES_KEPT:
+        for k in range(PACES_KEPT):
             r.pace_at[k] = r.pace_at[k + 1]
-        r.paced = PACES
+        r.paced = PACES_KEPT
     r.pace_at[r.paced] = e.t
     r.paced += 1
-    if r.paced <= PACES or e.model.max_events > USUAL:
+    if r.paced <= PACES_KEPT or e.model.max_events > USUAL:
         return False
     before = math.inf
-    for k in range(PACES):
+    for k in range(PACES_KEPT):
         span = r.pace_at[k + 1] - r.pace_at[k]
         if not (span > 0.0 and span < before):
             return False
         before = span
     first = rate_in(r, 0)
-    middle = rate_in(r, PACES // 2)
-    last = rate_in(r, PACES - 1)
-    early = (middle - first) / float(PACES // 2)
-    late = (last - middle) / float(PACES - 1 - PACES // 2)
+    middle = rate_in(r, PACES_KEPT // 2)
+    last = rate_in(r, PACES_KEPT - 1)
+    early = (middle - first) / float(PACES_KEPT // 2)
+    late = (last - middle) / float(PACES_KEPT - 1 - PACES_KEPT // 2)
     if last < GROWN * first or late < STEADY * early:
         return False
     # by event: the rate grows with time as the exponential of that

@@ -56,8 +56,8 @@ from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges
 from hybond.engine.run.edges_met import begin_at_edge, go_from_edge, is_at_edge
 from hybond.engine.run.ends_at_kink import ANEW, left_at_end, meet_kink, pass_kink, see_gaps
-from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.ever_more import outruns, refuse_outrun
+from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.kinks_passed import (
     events_held,
     see_crawl,
