@@ -193,25 +193,10 @@ def _rectifies(branch: Branch, ideal: IdealSwitch, notices: Notices) -> int:
         way = -1
     else:
         return 0
-    if ideal.inverted:
-        return 0
-    if ideal.off > 0.0:
-        flow = "" if ideal.resistance is None else f" below {_opening(ideal):.5g} A"
-        notices.add(
-            branch.line,
-            f"{branch.name} follows its own voltage: closed it opens again at once{flow}, as then "
-            f"less than {ideal.off:g} V is across it; VT=0 without VH makes it an ideal diode",
-        )
-    if ideal.on or ideal.off or ideal.threshold.parametric:
+    if ideal.inverted or ideal.on or ideal.off or ideal.threshold.parametric:
         return 0
     notices.add(branch.line, f"{branch.name} follows its own voltage: taken as an ideal diode")
     return way
-
-
-def _opening(ideal: IdealSwitch) -> float:
-    """Return the current below which a closed switch has less than its threshold across it, A."""
-    assert ideal.resistance is not None
-    return ideal.off / ideal.resistance.number if ideal.resistance.number else math.inf
 
 
 def _without(resistance: float, beside: float) -> float:

@@ -26,10 +26,15 @@ from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.guards.together import NEAR_ZERO, ask_done, may_others
 from hybond.engine.methods.stepping import retry
 
-SLOWEST: Final = 1e-6
+SLOWEST: Final = 1e-5
 """Part of the run that rounding may take, at the most: what is slower rests there."""
 PAST_IT: Final = 1e-3
 """Part of that by which it is gone beyond."""
+UNTOLD: Final = 8.0
+"""Times its rounding within which a comparison is not told from equality: what is the edge of one
+expression of a quantity is just outside of that of another."""
+HELD: Final = 2
+"""A guard that holds where the instant was found."""
 FARTHER: Final = 4.0
 """How many times as far it is looked next."""
 
@@ -60,12 +65,15 @@ def last_within(e: Engine, g: Locator, t: float, room: float, top: float) -> flo
     longest = e.step.t1
     last = t
     for k in range(g.guards):
-        if g.done[k] != 0 and not g.failed:
+        if g.done[k] == 0 and g.side[k] == NO_KINK and holds_at(e, g, k, t):
+            g.done[k] = HELD
+    for k in range(g.guards):
+        if g.done[k] == 1 and not g.failed:
             there = first_after(e, g, k, t, room, top)
             last = max(last, bracket(e, g, k, t, there) if there > t else t)
     # the energy that rounding is measured by is not the same to the last digit where it is settled
     last = min(last + PAST_IT * (last - t), max(e.step.t1, last))
-    if last > t and not g.failed and not changes_others(e, g, t, last):
+    if last > t and not g.failed and not changes_others(e, g, last):
         return last
     if e.step.t1 != longest:
         g.failed = make_to(e, g, longest) != OK or g.failed
@@ -89,7 +97,7 @@ def is_within(e: Engine, g: Locator, k: int) -> bool:
         if not here <= NEAR_ZERO * size:
             return False
         terms = terms_here(e, g, k, a)
-        if not here <= ROUNDING * terms:
+        if not here <= UNTOLD * ROUNDING * terms:
             return False
     return g.atom_first[k + 1] > g.atom_first[k]
 
@@ -116,12 +124,14 @@ def first_after(e: Engine, g: Locator, k: int, t: float, room: float, top: float
         away = FARTHER * away
 
 
-def changes_others(e: Engine, g: Locator, t: float, last: float) -> bool:
-    """Whether a guard that is clear of its threshold begins to hold up to `last`, or one ceases."""
+def changes_others(e: Engine, g: Locator, last: float) -> bool:
+    """Whether a guard that is clear of its threshold begins to hold up to `last`, or one ceases.
+
+    Which of them hold before is known: of a longer step rounding may say something else there.
+    """
     for k in range(g.guards):
-        if g.side[k] != NO_KINK or g.done[k] != 0:
-            continue
-        before = holds_at(e, g, k, t)
-        if before != holds_at(e, g, k, last):
-            return True
+        if g.side[k] == NO_KINK and g.done[k] != 1:
+            held = holds_at(e, g, k, last)
+            if held != (g.done[k] == HELD):
+                return True
     return g.failed
