@@ -6,6 +6,7 @@ Between two events of ``x'' = -sign(x) - k x'`` the speed falls by ``2/3 k v^2``
 
 from __future__ import annotations
 
+import math
 import re
 
 import pytest
@@ -51,3 +52,19 @@ def test_a_relay_with_a_band_ends_in_a_cycle_that_does_not_shrink() -> None:
     assert told, run.error
     assert float(told[1]) == pytest.approx((1000.0 - times[-1]) / every, rel=0.02)
     assert times[-1] - times[-2] == pytest.approx(times[-3] - times[-4], rel=1e-3)
+
+
+def test_a_relay_that_would_switch_too_often_is_refused_long_before() -> None:
+    """After n events they are ``3 / (k n)`` apart: their number grows as ``exp(k t / 3)``."""
+    k, until = 2.0, 60.0
+    run = hb.simulate(relay(k), until, on_error="return")
+    assert run.error is not None and run.error.code == "HB-N404"
+    told = re.search(r"(\d+) events by t = \S+ s, and (\S+) to come", str(run.error))
+    assert told, run.error
+    assert int(told[1]) < 10_000
+    more = int(told[1]) * math.exp(k / 3.0 * (until - run.t_end))
+    assert math.log(float(told[2])) == pytest.approx(math.log(more), rel=0.05)
+    # as many as there are up to a little later are no reason
+    later = hb.simulate(relay(k), run.t_end + 0.2)
+    assert later.status == "ok"
+    assert len(later.events) == pytest.approx(int(told[1]) * math.exp(k / 3.0 * 0.2), rel=0.02)

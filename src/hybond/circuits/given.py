@@ -107,7 +107,8 @@ class Given:
         k = self.by_key.get(key)
         if k is None or any(leaf.beside == key for leaf in self.leaves):
             return None
-        return self.flows.get(k)
+        found = self.flows.get(k)
+        return times(-1.0, found) if found is not None and self.leaves[k].backward else found
 
     def _between(self, a: int, b: int) -> Sum | None:
         if self.together[a] != self.together[b]:

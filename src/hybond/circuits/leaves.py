@@ -55,7 +55,7 @@ class Leaf:
     beside: str = ""
     """Of a part of another branch, between the same nodes: its key."""
     backward: bool = False
-    """Whether its nodes are those of that branch the other way round."""
+    """Whether its nodes are those of that branch, or of its card, the other way round."""
     formula: Expr | None = None
     """Of an R whose law is computed: what it gives, of its own voltage or current."""
 
@@ -169,8 +169,34 @@ def _switch(branch: Branch, texts: Texts, notices: Notices) -> list[Leaf]:
         text = texts.value(ideal.resistance, "ohm")
         if math.isfinite(ideal.beside):
             text = quantity(_without(ideal.resistance.number, ideal.beside), "ohm")
-    found = [Leaf(branch, "switch", resistance=text, switch=ideal)]
+    rectifies = _rectifies(branch, ideal, notices)
+    if not rectifies:
+        found = [Leaf(branch, "switch", resistance=text, switch=ideal)]
+    elif rectifies > 0:
+        found = [Leaf(branch, "diode", resistance=text)]
+    else:
+        other = replace(branch, a=branch.b, b=branch.a)
+        found = [Leaf(other, "diode", resistance=text, backward=True)]
     return found + _beside(branch, ideal.beside)
+
+
+def _rectifies(branch: Branch, ideal: IdealSwitch, notices: Notices) -> int:
+    """Return the way in which a switch that follows its own voltage conducts, as an ideal diode.
+
+    Closed while the voltage along it is above zero, open while it is below: these are the two
+    branches of a diode with RON in series, and a law settles many of them at once. Zero for any
+    other switch.
+    """
+    if branch.senses == (branch.a, branch.b):
+        way = 1
+    elif branch.senses == (branch.b, branch.a):
+        way = -1
+    else:
+        return 0
+    if ideal.inverted or ideal.on or ideal.off or ideal.threshold.parametric:
+        return 0
+    notices.add(branch.line, f"{branch.name} follows its own voltage: taken as an ideal diode")
+    return way
 
 
 def _without(resistance: float, beside: float) -> float:

@@ -74,6 +74,8 @@ class Sensing:
                 hint=did_you_mean(key, self.by_key),
             )
         found = self.woven.currents.get(k)
+        if found is not None and self.leaves[k].backward:
+            found = tuple((-sign, name) for sign, name in found)
         for part in self.beside.get(self.leaves[k].branch.key, ()):
             more = self.woven.currents.get(part)
             if found is not None and more is not None:

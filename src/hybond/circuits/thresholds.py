@@ -57,6 +57,19 @@ def rest_of(branch: Branch, ideal: IdealSwitch, given: Given) -> Rest:
     return Rest(">=", "<", told=True) if below else Rest(told=above)
 
 
+def opens_again(ideal: IdealSwitch, name: str) -> str:
+    """Return what is told of a switch that looks at its own voltage, if it opens once it closes."""
+    if ideal.inverted or ideal.off <= 0.0:
+        return ""
+    flow = ""
+    if ideal.resistance is not None and ideal.resistance.number:
+        flow = f" below {ideal.off / ideal.resistance.number:.5g} A"
+    return (
+        f"{name} follows its own voltage: closed it opens again at once{flow}, as then less than "
+        f"{ideal.off:g} V is across it; VT=0 without VH makes it an ideal diode"
+    )
+
+
 def machine_of(
     sensed: str, on: str | float, off: str | float, junction: str, ideal: IdealSwitch, rest: Rest
 ) -> MachinePart:

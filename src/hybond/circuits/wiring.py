@@ -18,7 +18,15 @@ from hybond.circuits.notices import Line, Notices
 from hybond.circuits.opened import GROUND
 from hybond.circuits.sensing import Sensing
 from hybond.circuits.texts import Texts, minus
-from hybond.circuits.thresholds import FALLEN, RISEN, Rest, machine_of, rest_of, started
+from hybond.circuits.thresholds import (
+    FALLEN,
+    RISEN,
+    Rest,
+    machine_of,
+    opens_again,
+    rest_of,
+    started,
+)
 from hybond.circuits.woven import Terms, Woven, written
 from hybond.errors import FileError
 from hybond.model.builder import Model
@@ -172,6 +180,10 @@ class Assembly:
                     f"{branch.name}: what it follows {rests} at its threshold of {ideal.on:g} "
                     f"{unit}, where it is {side}",
                 )
+        if set(branch.senses) == {branch.a, branch.b} and self.feedback.on_itself(k):
+            opening = opens_again(ideal, branch.name)
+            if opening:
+                self.notices.add(branch.line, opening)
         machine = machine_of(sensed, on, off, junction, ideal, rest)
         name = self.woven.names.take(f"{junction}_state")
         self.model.machines[name] = replace(machine, start=started(machine, ideal, branch.state))

@@ -180,7 +180,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         naps, blurred       kinks that end no steps for a while; roots that a step does not tell
         waiting             rules whose guards are on their way off their thresholds
         noise               whether samples are rough between neighbours
-        together, ends_at_guard    what is one instant with it; the step that ends there
+        together, within_rounding    what is one instant with it; as rounding cannot tell
+        ends_at_guard       the step that ends there
     instant/
         settle, settling, enabled    trying modes at an instant until none is left; what a cycle is
                             told by; which rules hold
@@ -223,6 +224,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         step_motion         that of time-stepping, which locates nothing
         slid_at_limit       crossings that accumulate where surfaces meet, and slide from there
         noted, slips_followed    the end of a step; steps that follow slip in the plane
+        ever_more           events that would be far too many long before the end
         kinks_passed, held_by_kinks, source_jumps    kinks of laws and of sources
         contradictions      sources that do not agree behind one
         guard_at_kink, ends_at_kink    a guard that holds at one; steps that end there

@@ -15,6 +15,7 @@ from hybond.engine.guards.together import (
     kink_there,
     last_of_instant,
 )
+from hybond.engine.guards.within_rounding import past_rounding
 from hybond.engine.methods.control import is_propagated
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import LEAST, room_of_instant
@@ -78,6 +79,8 @@ def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int
         g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(tries)), top)
     g.began = g.at
     g.at = last_of_instant(e, g, g.at, top)
+    if not g.failed:
+        g.at = past_rounding(e, g, g.at, room, end)
     if g.failed:
         return REFUSED
     return end_there(e, g) if is_unseen(e, g) else OK

@@ -43,7 +43,11 @@ LARGEST = 1 << 22
 hold, and allocators keep what is smaller for the next run; they return what is larger."""
 TOLD = 4
 """Changes of method that are told one by one."""
-STUCK = ("", "if the guards chatter, give them a hysteresis", "no time passes between them")
+STUCK = (
+    "",
+    "if the guards chatter, give them a hysteresis, or run with sliding = 'hysteresis'",
+    "no time passes between them",
+)
 """What to say of events that accumulate: impacts, other events of a machine, any events."""
 CONTACTS = (
     "contacts that strike in turn come to rest there: solver moreau-jean goes on through it, and "

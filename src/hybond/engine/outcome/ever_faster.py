@@ -21,7 +21,9 @@ SHRUNK: Final = 0.75
 """Part of the mean interval then that the last are at the most: as 1/n they are a half."""
 BAND = (
     "a comparator that is felt by what it reads only through two lags or more never comes to rest: "
-    "give it a band, y > 0.01 and y < -0.01, or sample what it reads; or raise max_events"
+    "give it a band, y > 0.01 and y < -0.01 (VH of a switch of a netlist), or run with sliding = "
+    "'hysteresis' and half its width, hysteresis = 0.01, or sample what it reads; or raise "
+    "max_events above 1,000,000"
 )
 
 

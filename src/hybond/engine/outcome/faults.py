@@ -162,6 +162,9 @@ def error_of(
         case "HB-N404":
             most = int(fault.limits["max_events"])
             why = f"more than {most} events by t = {refusal.t:.9g} s"
+            if refusal.about:
+                so_far, more = refusal.about
+                why = f"{so_far:.0f} events by t = {refusal.t:.9g} s, and {more:.0e} to come"
             said = said_of_many(events, why, here, fault.limits["until"])
         case "HB-N409":
             most = int(fault.limits["max_steps"])

@@ -322,7 +322,9 @@ def _nowhere(c: Case) -> Said:
     texts = ", ".join(c.explain.surfaces[k].text for k in c.numbers)
     if c.refusal.why.startswith("the state"):
         why = f"it would take a jump of what is stored to slide along {texts} {c.now}"
-        return Said(why, c.here, "what makes it jump without an event: give inputs their `breaks`")
+        hint = "what makes it jump without an event: give inputs their `breaks`; where what is "
+        hint += "compared comes to zero together with its rate, run with sliding = 'hysteresis'"
+        return Said(why, c.here, hint)
     why = f"no combination of the modes stays on {texts} {c.now}"
     if len(c.numbers) > 1:
         return Said(why, c.here)

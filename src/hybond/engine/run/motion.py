@@ -56,6 +56,7 @@ from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges
 from hybond.engine.run.edges_met import begin_at_edge, go_from_edge, is_at_edge
 from hybond.engine.run.ends_at_kink import ANEW, left_at_end, meet_kink, pass_kink, see_gaps
+from hybond.engine.run.ever_more import outruns, refuse_outrun
 from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.kinks_passed import (
     events_held,
@@ -216,6 +217,8 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         r.event_at[r.events % (IDLE + 1)] = e.t
         r.events += 1
         report_event(e, r.report, i)
+        if outruns(e, r):
+            return refuse_outrun(e, r)
     r.vain = cause == LAW and not settled
     if settled or (cause != GUARD and cause != LAW):
         r.idle = 0

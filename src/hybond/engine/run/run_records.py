@@ -16,6 +16,8 @@ from hybond.engine.words import Floats, Ints, Records, floats, ints, record, rec
 
 IDLE: Final = 100
 """Instants in a row without any change that end a run."""
+PACES_KEPT: Final = 8
+"""Times of a thousand or so events each that say whether these come ever faster."""
 PATIENCE: Final = 64
 """Steps in a row that are next to no part of the run after which it is asked what holds it."""
 STANDING: Final = 2000
@@ -50,6 +52,11 @@ class Run:
     events: int
     event_at: Floats
     """When the last ones were, in a ring."""
+    pace_at: Floats
+    """When each thousandth or so of the last ones was, how many of these are known."""
+    paced: int
+    foreseen: float
+    """How many more there would be up to the end of the run."""
     before: Floats
     idle: int
     idle_at: Floats
@@ -161,6 +168,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.before = floats(e.states)
     r.idle_at = floats(IDLE + 1)
     r.event_at = floats(IDLE + 1)
+    r.pace_at = floats(PACES_KEPT + 1)
     r.kink_at = floats(IDLE + 1)
     r.rest_away = floats(e.model.kinks)
     r.rest_moved = floats(e.model.kinks)
