@@ -86,24 +86,6 @@ def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int
     return end_there(e, g) if is_unseen(e, g) else OK
 
 
-def land_as_led(e: Engine, g: Locator, room: float, end: float, last: float, tries: int) -> int:
-    """Land, and where only far shorter steps lead there, as far as a repeated step has led.
-
-    What is found ahead by a long step may not be there by those, or earlier.
-    """
-    made = land(e, g, room, end, last, tries)
-    for _ in range(SHORTER):
-        led = by_radau(e) and e.step.off > 1.0 and e.step.t1 > e.step.t0
-        if made == OK or not led:
-            break
-        if locate(e, g) != OK:
-            return REFUSED
-        if g.at == math.inf:
-            return OK
-        made = land(e, g, room, end, last, tries)
-    return made
-
-
 def is_unseen(e: Engine, g: Locator) -> bool:
     """Whether something is over in the step so soon that its polynomial may know nothing of it."""
     if g.tied or e.model.kinks + e.model.slide_kinks > 0 or g.at >= e.step.t1 or g.at <= e.step.t0:
@@ -194,7 +176,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         return OK
     # the instant was not found again: the step as it was
     if e.step.t1 != longest and retry(e, longest) != OK:
-        return REFUSED
+        return shorten(e, g) if by_radau(e) and e.step.off > 1.0 else REFUSED
     if about and locate(e, g) != OK:
         return REFUSED
     if not about or g.at == math.inf:
@@ -229,8 +211,16 @@ def closer(e: Engine, g: Locator) -> int:
 
 
 def shorten(e: Engine, g: Locator) -> int:
-    """Repeat a step that its error forbids, shorter, and look whether a guard holds in it."""
+    """Repeat a step that its error forbids, shorter, and look whether a guard holds in it.
+
+    Implicit steps have been repeated by far shorter ones, as many as are made in vain; what is left
+    of the way is for the run.
+    """
     h = e.step.t1 - e.step.t0
+    if by_radau(e):
+        if not h > 0.0 or locate(e, g) != OK:
+            return REFUSED
+        return land_first(e, g, room_of_instant(e, e.t)) if g.at < math.inf else OK
     made = REFUSED
     for _ in range(SHORTER):
         h *= 0.5

@@ -21,7 +21,7 @@ from hybond.engine.contacts.impacts_seen import before_event, observe_event
 from hybond.engine.contacts.in_turn import NONE_RESTS, RESTED, land_in_turn
 from hybond.engine.contacts.landing import land_contacts, stuck
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.guards.ends_at_guard import find_within, land_as_led, shows_instants
+from hybond.engine.guards.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.guards.guard_values import doubt, see_where_it_begins
 from hybond.engine.guards.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.guards.locate import locate
@@ -319,7 +319,7 @@ def flow(e: Engine, r: Run) -> int:
                     return passed
             g.held = True
             tries = times_in_vain(r, instant)
-            if land_as_led(e, g, instant, end, last_in_vain(r), tries) != OK:
+            if land(e, g, instant, end, last_in_vain(r), tries) != OK:
                 if begin_at_edge(e, r) == OK:
                     continue
                 stuck_at_kink(e, r)
