@@ -368,8 +368,8 @@ def _differ(
     names = list(same)
     others = [same[name][0] for name in names]
     try:
-        mine = one.run.sample(times, names)
-        other = two.run.sample(times, others)
+        mine = one.run.sample(times.tolist(), names)
+        other = two.run.sample(times.tolist(), others)
         sizes = dict(zip(names, _sizes(one.run, names), strict=True))
         other_sizes = _sizes(two.run, others)
     except HybondError as error:

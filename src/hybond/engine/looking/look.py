@@ -248,7 +248,7 @@ def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
 
 
 def from_between(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
-    """Evaluate it from between the ends of its step, where constraints alone hold what they move."""
+    """Evaluate it from between the ends of its step, where constraints hold what they move."""
     step = l.points.step[i]
     end = l.points.step_time[3 * step + 2]
     take_from_step(e, l, a, step, end)
@@ -262,7 +262,7 @@ def from_between(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
 
 
 def from_its_end(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
-    """Evaluate it from what laws say at the end of its step, and nearer and nearer to its beginning.
+    """Evaluate it from what laws say at the end of its step, led on towards its beginning.
 
     From nothing Newton's method may not find what is next to nothing, where laws are flat, or
     steep, as just behind the instant at which a source passes zero; nor from what is far larger.

@@ -130,7 +130,7 @@ def holds_beside(
 
 
 def is_asked_by_another(e: Engine, mode: Mode, i: int, j: int) -> bool:
-    """Whether another law at its own jump gives unknown j, which is next to nothing beside that of i.
+    """Whether another law, at its own jump, gives unknown j, which is next to nothing for law i.
 
     A friction that has come to rest gives no force, not next to none: nothing says on which side of
     its jump the other law is, and both would have to have values between their limits.

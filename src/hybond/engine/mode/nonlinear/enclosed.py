@@ -119,9 +119,7 @@ def the_unknown(e: Engine, mode: Mode, row: int) -> int:
     return found
 
 
-def residual_at(
-    e: Engine, mode: Mode, v: Floats, r: Floats, row: int, j: int, x: float
-) -> float:
+def residual_at(e: Engine, mode: Mode, v: Floats, r: Floats, row: int, j: int, x: float) -> float:
     """Return what is left of the law at a value of its unknown, which goes into `r`."""
     r[j] = x
     with_free(mode, 2 * e.model.bonds, e.work.base, r, e.work.w)
@@ -167,9 +165,7 @@ def ends_between(
         if not all_finite(frees, e.work.residual.at):
             return False
     rows = mode.dynamics
-    if not all_finite(rows, e.work.residual.at) or not all_finite(
-        rows * frees, e.work.jacobian.at
-    ):
+    if not all_finite(rows, e.work.residual.at) or not all_finite(rows * frees, e.work.jacobian.at):
         return False
     mode.regular = newton_step(e, rows, frees)
     return put_back(e, mode, v, e.work.w)
