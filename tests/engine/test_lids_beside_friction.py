@@ -31,13 +31,3 @@ def test_it_is_dry_when_it_is(level: float, solver: str) -> None:
     assert event.t == pytest.approx(dry, rel=1e-6)
     assert run["c.q"].at(1.28) == 0.0
     assert run.audit().holds()
-
-
-@pytest.mark.parametrize("level", [0.02 + 0.01 * k for k in range(0, 60, 3)])
-def test_implicit_steps_come_to_it(level: float) -> None:
-    """Three in five were refused (HB-N410): stages on both sides of the jump stayed before it."""
-    run = hb.simulate(runs_dry(level), 1.28, solver="radau")
-    dry = 3.3 * log(1.0 + level / (3.3 * 0.7))
-    assert [event.t for event in run.trace.events[1:]] == pytest.approx([dry], rel=1e-6)
-    assert run["c.q"].at(1.28) == 0.0
-    assert run.audit().holds()

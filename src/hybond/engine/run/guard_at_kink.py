@@ -11,23 +11,18 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
 from hybond.engine.guards.locator import NO_KINK, Locator
 from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.explicit.dopri import spacing
-from hybond.engine.methods.explicit.one_instant import is_root, jump_lies_between, room_of_instant
+from hybond.engine.methods.explicit.one_instant import is_root, room_of_instant
 from hybond.engine.methods.stepping import between, by_radau, reach, retry
-from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
 
-ALIKE: Final = 0.1
-"""Part of rates by which those at both ends of a step may differ, and it still be straight; of the
-way that they lead, what it has come at the most where it stays."""
 HALVINGS: Final = 60
 """Of a step: then its halves are no numbers between."""
 
@@ -154,27 +149,9 @@ def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
             e.step.y1[i] = r.beside[i] + way * r.rate[i]
         reach(e, begin + way)
         g.looked = math.nan
-        if noted_hold(e, g):
+        if noted_hold(e, g) or begin + 2.0 * way > at + room:
             return OK
-        farther = max(2.0 * way, LAST_PLACES * spacing(at))
-        if begin + 2.0 * way > at + room and not is_no_error(e, r, farther):
-            return OK
-        way = farther
-
-
-def is_no_error(e: Engine, r: Run, way: float) -> bool:
-    """Whether an implicit step may be wrong by all that moves so much longer by `r.rate`.
-
-    Then its stages are on both sides of the kink, and what it says of where the guard holds is no
-    better: a motion that is led to the kink would seem to stay beside it.
-    """
-    if not by_radau(e):
-        return False
-    tolerance(e, e.step.y0, e.step.y1, r.after)
-    for i in range(e.states):
-        if not math.fabs(way * r.rate[i]) <= r.after[i]:
-            return False
-    return True
+        way = max(2.0 * way, LAST_PLACES * spacing(at))
 
 
 def lead_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
@@ -221,37 +198,3 @@ def some_guard_holds(e: Engine, g: Locator) -> bool:
         if g.side[k] == NO_KINK and holds_at(e, g, k, e.step.t1):
             return True
     return False
-
-
-def straighten_at_kink(e: Engine, r: Run) -> None:
-    """Let an implicit step be straight that stays before a jump of a law though rates lead over it.
-
-    Where all that it moves is no error, its stages may be on both sides, so that it seems to rest
-    there: what crosses the jump, or holds a guard just there, would never be met.
-    """
-    s = e.step
-    n = e.states
-    h = s.t1 - s.t0
-    if e.model.kinks == 0 or e.slide.k > 0 or not by_radau(e) or e.radau.pieces != 1:
-        return
-    stays = False
-    for i in range(n):
-        way = 0.5 * h * (e.radau.f0[i] + s.f[i])
-        alike = math.fabs(e.radau.f0[i] - s.f[i]) <= ALIKE * math.fabs(e.radau.f0[i])
-        stays = stays or (alike and math.fabs(s.y1[i] - s.y0[i]) < ALIKE * math.fabs(way))
-    if not stays:
-        return
-    tolerance(e, s.y0, s.y1, r.after)
-    for i in range(n):
-        if not math.fabs(h * e.radau.f0[i]) <= r.after[i]:
-            return
-        r.beside[i] = s.y0[i] + h * e.radau.f0[i]
-    if not jump_lies_between(e, s.t0, s.y0, r.beside) or jump_lies_between(e, s.t0, s.y0, s.y1):
-        return
-    copy_floats(n, r.beside, s.y1)
-    copy_floats(n, s.y1, e.radau.piece_y1)
-    for k in range(4 * n):
-        e.radau.piece_polynomial[k] = h * e.radau.f0[k] if k < n else 0.0
-    s.t = s.t0  # rates are known where it begins alone
-    s.apart = 0.0
-    s.defect = 0.0

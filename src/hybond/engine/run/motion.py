@@ -56,7 +56,7 @@ from hybond.engine.run.courses_ahead import begin_courses, end_ahead
 from hybond.engine.run.edges import reach_edges
 from hybond.engine.run.edges_met import begin_at_edge, go_from_edge, is_at_edge
 from hybond.engine.run.ends_at_kink import ANEW, left_at_end, meet_kink, pass_kink, see_gaps
-from hybond.engine.run.guard_at_kink import is_over_kink, straighten_at_kink
+from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.kinks_passed import (
     events_held,
     see_crawl,
@@ -417,7 +417,6 @@ def take_step(e: Engine, r: Run, end: float) -> int:
             return ANEW
         stuck_at_kink(e, r)
         return -1
-    straighten_at_kink(e, r)
     if is_at_edge(e, r) and reach_edges(e, r):
         return ANEW if go_from_edge(e, r) == OK else -1
     if m.disks > 0 and follow(e) != OK:
