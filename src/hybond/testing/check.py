@@ -218,7 +218,8 @@ def _by_tolerance(finding: Finding, model: Model, until: float, patience: float)
                 return False
             parts = _differ("tight", run, tight, same, 0.0)
             errors.append(max((f.apart for f in parts), default=0.0))
-        if errors[0] > SOLVED and errors[1] > errors[0] / FALLS:
+        # of the two, one may have erred by next to nothing from the beginning
+        if errors[0] > SOLVED and errors[1] > max(errors[0], finding.apart) / FALLS:
             return False
     return True
 
@@ -359,14 +360,16 @@ def _differ(
     times = np.sort(np.mod(np.arange(1, POINTS + 1) * 0.6180339887498949, 1.0)) * until
     near = np.abs(times[:, None] - events[None, :]).min(axis=1, initial=np.inf)
     begin = max(_begin(one.run), _begin(two.run))
-    times = times[(near > NEAR * until) & (times > begin)]
-    if not len(times):
+    near = near[times > begin]
+    times = times[times > begin]
+    held = near > NEAR * until
+    if not held.any():
         return []
     names = list(same)
     others = [same[name][0] for name in names]
     try:
-        mine = one.run.sample(times, names)
-        other = two.run.sample(times, others)
+        mine = one.run.sample(times.tolist(), names)
+        other = two.run.sample(times.tolist(), others)
         sizes = dict(zip(names, _sizes(one.run, names), strict=True))
         other_sizes = _sizes(two.run, others)
     except HybondError as error:
@@ -375,8 +378,9 @@ def _differ(
     for name, own in zip(names, other_sizes, strict=True):
         a = np.asarray(mine[name])
         b = same[name][1] * np.asarray(other[same[name][0]])
+        # what friction has nearly brought to rest has been larger between its events
         size = max(float(np.abs(a).max()), float(np.abs(b).max()), 0.01 * max(own, sizes[name]))
-        apart = np.abs(a - b)
+        apart = np.where(held, np.abs(a - b), 0.0)
         if float(apart.max()) > most * size:
             k = int(apart.argmax())
             text = f"{name} = {a[k]:.9g} or {b[k]:.9g} at t = {times[k]:.6g}"

@@ -204,6 +204,25 @@ def on_constraints(e: Engine, mode: Mode, v: Floats, y: Floats) -> int:
     return OK
 
 
+def all_follow(e: Engine, mode: Mode, v: Floats, x: Floats) -> bool:
+    """Whether all that impulses move is held by the constraints alone, wherever it comes from.
+
+    Then `moves_first` of the ways of the mode says what that is.
+    """
+    if mode.constraints.rows == 0 and mode.structures == 0:
+        return False
+    begin_constraints(e, mode, v, x)
+    residual(e, mode, v, x)
+    restore_bonds(e, mode, v)
+    ways = mode.ways
+    find_ways(e, mode, v, x)
+    restore_bonds(e, mode, v)
+    many = 0
+    for k in range(e.model.storages):
+        many += 1 if ways.moves_first.at[k] < ways.moves_first.at[k + 1] else 0
+    return many > 0 and many == ways.areas and e.work.constraints >= many
+
+
 def is_next_to_nothing(e: Engine, k: int, y: Floats, energy: float) -> bool:
     """Whether what storage k holds is none beside what it would with all of an energy."""
     m = e.model

@@ -24,7 +24,7 @@ from hybond.engine.constraints.sparse_ways import sparse_step
 from hybond.engine.engine import OK, Engine, svd_room
 from hybond.engine.jumps.off_flat import off_flat
 from hybond.engine.mode.mode_records import Mode, Ways
-from hybond.engine.mode.rows.storage import own_stiffness
+from hybond.engine.mode.rows.storage import own_stiffness, with_stored
 from hybond.engine.words import Floats
 
 CONSISTENT: Final = 1e-12
@@ -71,13 +71,13 @@ def newton_steps(
     for j in range(ways.many if ways.sparse else 0):
         w.combined.at[j] = 0.0
     fit(w.gap_first, count)
-    for k in range(m.storages if not begun else 0):
-        w.reach_before[k] = w.reach[k]
+    if not begun:
+        keep_reach(e, x)
     for turn in range(STEPS):
         if turn > 0 and not ways.known:
             # slopes are many residuals, of which none is asked any more where all is met
             gap_at(e, mode, v, x, ways, 0.0)
-            if best < math.inf and is_met(e, mode, best):
+            if best < math.inf and is_met(e, mode, ways, best):
                 return OK
         if not ways.known:
             put_here(m.storages, x, ways, w.nu.at, w.here)
@@ -89,11 +89,11 @@ def newton_steps(
             # was large on the way there only is none
             if turn == 0 and not begun:
                 w.gap_first.at[i] = w.gap_size.at[i]
-            w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
+            w.gap_size.at[i] = max(first_size(w.gap_first.at[i], ways), w.gap_size.at[i])
         worst = furthest(e, w.gap_size.at)
         if turn == 0 and not begun:
             w.missing = worst
-        if ways.known and best < math.inf and is_met(e, mode, best):
+        if ways.known and best < math.inf and is_met(e, mode, ways, best):
             return OK
         rank = jump_step(e, ways, count)
         most = 0.0
@@ -126,24 +126,35 @@ def newton_steps(
     gap_at(e, mode, v, x, ways, 0.0)
     for i in range(count):
         off = math.fabs(w.gap.at[i])
-        if not (off <= 1e-9 * max(w.gap_first.at[i], w.gap_size.at[i]) and off < math.inf):
+        size = max(first_size(w.gap_first.at[i], ways), w.gap_size.at[i])
+        if not (off <= 1e-9 * size and off < math.inf):
             return FAR
     return OK
 
 
-def is_met(e: Engine, mode: Mode, best: float) -> bool:
+def is_met(e: Engine, mode: Mode, ways: Ways, best: float) -> bool:
     """Whether the constraints hold; they have come as near as `best` before.
 
-    Residuals are there, with what their terms are now; sizes are not less than they were at first.
+    Residuals are there, with what their terms are now; sizes are not less than they were at
+    first where laws are straight.
     """
     w = e.work
     for i in range(w.constraints):
-        w.gap_size.at[i] = max(w.gap_first.at[i], w.gap_size.at[i])
+        w.gap_size.at[i] = max(first_size(w.gap_first.at[i], ways), w.gap_size.at[i])
     own = meets_own_terms(e, mode, BEST)
     worst = furthest(e, w.gap_size.at)
     # where the slopes are wrong by a corner of a law it comes nearer by a part of the way only
     stays = worst >= (0.5 if own else CREEPS) * best
     return (own and worst <= BEST) or (worst <= CONSISTENT and stays)
+
+
+def first_size(size: float, ways: Ways) -> float:
+    """Return what a constraint is measured by of the size that its terms had at first.
+
+    Where laws bend that says nothing of where they end: far up an exponential it is beyond all that
+    is asked for, and what is off by 1e-12 of it is no solution.
+    """
+    return size if ways.known else 0.0
 
 
 def nearer(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways) -> float:
@@ -280,9 +291,25 @@ def gap_at(e: Engine, mode: Mode, v: Floats, x: Floats, ways: Ways, part: float)
     residual(e, mode, v, w.here)
 
 
-def count_moves(e: Engine, mode: Mode, ways: Ways, nu: Floats) -> None:
-    """Count what moves what is stored among the terms: of those that cancel rounding is left."""
+def keep_reach(e: Engine, x: Floats) -> None:
+    """Keep what rounding of storages at first is measured by; of laws that bend, what is stored."""
     m = e.model
+    w = e.work
+    for k in range(m.storages):
+        w.reach_before[k] = w.reach[k]
+        if m.co_energy[k] >= 0:
+            own = math.fabs(own_stiffness(m, k, with_stored(e, x)))
+            held = w.reach[k] / own if own > 0.0 else 0.0
+            w.reach_before[k] = held if math.isfinite(held) else math.fabs(x[k])
+
+
+def count_moves(e: Engine, mode: Mode, ways: Ways, nu: Floats) -> None:
+    """Count what moves what is stored among the terms: of those that cancel rounding is left.
+
+    What was stored at first counts by the slope of its law at `e.work.here`.
+    """
+    m = e.model
+    values = with_stored(e, e.work.here)
     for i in range(mode.bounds):
         k = mode.bound[i]
         if k >= m.storages:
@@ -290,9 +317,13 @@ def count_moves(e: Engine, mode: Mode, ways: Ways, nu: Floats) -> None:
         moved = 0.0
         for p in range(ways.moves_first.at[k], ways.moves_first.at[k + 1]):
             moved += math.fabs(ways.moves_by.at[p] * nu[ways.moves.at[p]])
+        before = e.work.reach_before[k]
+        if m.co_energy[k] >= 0:
+            moved = max(moved, before)
+            before = 0.0
         if moved > 0.0:
-            moved *= math.fabs(own_stiffness(m, k, e.work.values))
-        e.work.reach[k] = max(e.work.reach_before[k], moved)
+            moved *= math.fabs(own_stiffness(m, k, values))
+        e.work.reach[k] = max(before, moved)
 
 
 def put_here(n: int, x: Floats, ways: Ways, nu: Floats, here: Floats) -> None:

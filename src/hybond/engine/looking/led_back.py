@@ -13,6 +13,7 @@ from typing import Final
 
 from hybond.engine.engine import Engine
 from hybond.engine.methods.tolerances.scale import NEGLIGIBLE
+from hybond.engine.mode.mode_records import Ways
 from hybond.engine.mode.rows.storage import own_stiffness, with_stored
 from hybond.engine.words import Floats
 
@@ -57,3 +58,16 @@ def lead_back(e: Engine, way: int, x: float, ends: Floats, at: int, y: Floats) -
             y[k] = goal
         elif way > alone:
             y[k] += math.copysign(allowed, goal - y[k])
+
+
+def lead_between(e: Engine, ways: Ways, ends: Floats, at: int, y: Floats) -> None:
+    """Move what constraints alone hold back between the ends of the step: they find it from there.
+
+    What a source leads through a law such as a `sinh` jumps from one side to the other where the
+    source passes zero. A polynomial over that leads to where the law is beyond all numbers.
+    """
+    for k in range(e.model.storages):
+        if ways.moves_first.at[k] < ways.moves_first.at[k + 1]:
+            first = ends[at + k]
+            last = ends[at + 2 * e.states + k]
+            y[k] = min(max(y[k], min(first, last)), max(first, last))

@@ -9,15 +9,17 @@ linear mode only what is asked for is evaluated, and of the state only what that
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.algebra.blocks import fit_places
 from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.contacts.rest import find_moved
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.inputs.interval import interval_after
-from hybond.engine.jumps.jump import on_constraints
+from hybond.engine.jumps.jump import all_follow, on_constraints
 from hybond.engine.looking.asked import Ask, ask_for_powers, make_ask, prepare, solve_asked
-from hybond.engine.looking.led_back import lead_back, ways_back
+from hybond.engine.looking.led_back import lead_back, lead_between, ways_back
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
@@ -33,6 +35,9 @@ from hybond.engine.surfaces.onto import onto_surfaces
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.surfaces.values import evaluate, set_motion
 from hybond.engine.words import Floats, Ints, floats, ints, record
+
+LED_ON: Final = 0.125
+"""Part of the way from where a step begins that is led on, at a time, from what is found there."""
 
 
 @record
@@ -229,6 +234,8 @@ def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
         solve_asked(e, a, t, l.y)
         return OK
     found = solve_point(e, l, t, accepted)
+    if found != OK and l.points.in_steps and l.corrects and not accepted:
+        found = from_between(e, l, a, i, t)
     way = 0
     ways = ways_back(e) if l.points.in_steps and e.model.edges > 0 and not accepted else 0
     while found != OK and way < ways:
@@ -240,22 +247,40 @@ def take_point(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
     return from_its_end(e, l, a, i, t) if found != OK and l.points.in_steps else found
 
 
-def from_its_end(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
-    """Evaluate it from what laws say at the end of its step.
-
-    From nothing Newton's method may not find what is next to nothing, where laws are flat, or
-    steep, as just behind the instant at which a source passes zero.
-    """
+def from_between(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
+    """Evaluate it from between the ends of its step, where constraints hold what they move."""
     step = l.points.step[i]
     end = l.points.step_time[3 * step + 2]
-    e.mode.guessed = False
-    accepted = take_from_step(e, l, a, step, end)
-    e.t = end
-    if solve_point(e, l, end, accepted) != OK:
+    take_from_step(e, l, a, step, end)
+    if e.slide.k > 0 or evaluate(e, e.mode, e.shown, end, l.y) != OK:
         return REFUSED
-    accepted = take_from_step(e, l, a, step, t)
-    e.t = t
-    return solve_point(e, l, t, accepted)
+    if not all_follow(e, e.mode, e.shown, l.y):
+        return REFUSED
+    take_from_step(e, l, a, step, t)
+    lead_between(e, e.mode.ways, l.points.step_state, 3 * e.states * step, l.y)
+    return solve_point(e, l, t, False)
+
+
+def from_its_end(e: Engine, l: Look, a: Ask, i: int, t: float) -> int:
+    """Evaluate it from what laws say at the end of its step, led on towards its beginning.
+
+    From nothing Newton's method may not find what is next to nothing, where laws are flat, or
+    steep, as just behind the instant at which a source passes zero; nor from what is far larger.
+    """
+    step = l.points.step[i]
+    begin = l.points.step_time[3 * step]
+    at = l.points.step_time[3 * step + 2]
+    e.mode.guessed = False
+    accepted = take_from_step(e, l, a, step, at)
+    e.t = at
+    found = solve_point(e, l, at, accepted)
+    while found == OK and at > t:
+        nearer = begin + LED_ON * (at - begin)
+        at = nearer if nearer > t and nearer < at else t
+        accepted = take_from_step(e, l, a, step, at)
+        e.t = at
+        found = solve_point(e, l, at, accepted)
+    return found
 
 
 def solve_point(e: Engine, l: Look, t: float, accepted: bool) -> int:

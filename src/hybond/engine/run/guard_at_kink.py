@@ -163,6 +163,7 @@ def lead_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
     s = e.step
     if field(e, e.mode, s.t0, s.y0, r.rate) != OK:
         return REFUSED
+    s.t = s.t0  # rates are known where it begins, and are no others' where it ends
     n = e.states
     way = at - s.t0
     while s.t0 + way <= at + room:

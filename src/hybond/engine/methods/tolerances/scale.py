@@ -20,6 +20,7 @@ from hybond.engine.methods.tolerances.signal_sizes import (
 from hybond.engine.mode.digits.closely import lasting_size
 from hybond.engine.mode.digits.clusters import MOMENT
 from hybond.engine.mode.digits.part_energies import see_part
+from hybond.engine.mode.digits.reach import holds, most_held
 from hybond.engine.mode.digits.sizes import given_size, size_of
 from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
@@ -384,6 +385,8 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
         floor = 0.0
         if own[k] > 0.0 and math.isfinite(own[k]) and math.isfinite(most):
             floor = NEGLIGIBLE * math.sqrt(2.0 * most / own[k])
+            if floor > out[k] and m.co_energy[k] >= 0:
+                floor = within_law(e, k, v, floor, most)
             clear = e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT
             if clear and not turns:
                 floor = min(floor, BESIDE * out[k])
@@ -407,6 +410,23 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
     for k in range(m.storages, e.states):
         size = max(out[k], e.step.onset[k]) if begins else out[k]
         out[k] = allowed_signal(e, k, math.fabs(y1[k] - y0[k]), size)
+
+
+def within_law(e: Engine, k: int, v: Floats, floor: float, energy: float) -> float:
+    """Return a share of what storage k would hold with an energy, by its law if slopes say nothing.
+
+    Far up an exponential there is next to no slope beside that of where it has been: by its slope
+    at rest not even the share is anything that it could hold, and nothing of what it does would be
+    an error.
+    """
+    if not math.isfinite(floor):
+        return floor
+    m = e.model
+    now = v[m.stored_slot + k]
+    if not holds(e, k, v, floor, energy):
+        floor = NEGLIGIBLE * most_held(e, k, v, floor, energy)
+    v[m.stored_slot + k] = now
+    return floor
 
 
 def within_bent(e: Engine, k: int, y: Floats, size: float) -> float:

@@ -61,7 +61,8 @@ def from_beside_jumps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             if way != 0.0 and at == beside(mode, k, j, e.work.base, 0.0):
                 continue
             from_guess = mode.guessed and turn < 3
-            if holds_beside(e, mode, v, r, i, j, at, from_guess):
+            found = holds_beside(e, mode, v, r, i, j, at, from_guess)
+            if found and not (way != 0.0 and is_asked_by_another(e, mode, i, j)):
                 return True
         for b in range(k, 2 * m.bonds):
             if mode.same[b] == k:
@@ -126,3 +127,20 @@ def holds_beside(
     rows = measured_system(e, mode, v, work.w)
     mode.regular = False
     return all_hold(e, rows, HOLDS)
+
+
+def is_asked_by_another(e: Engine, mode: Mode, i: int, j: int) -> bool:
+    """Whether another law, at its own jump, gives unknown j, which is next to nothing for law i.
+
+    A friction that has come to rest gives no force, not next to none: nothing says on which side of
+    its jump the other law is, and both would have to have values between their limits.
+    """
+    m = e.model
+    frees = mode.finite_frees
+    for other in range(mode.dynamics):
+        d = mode.dynamic[other]
+        if other == i or d < 0 or m.dynamic_jumps[d] != 1 or m.dynamic_partner[d] < 0:
+            continue
+        if e.work.w[m.dynamic_partner[d]] == 0.0 and e.work.jacobian.at[other * frees + j] != 0.0:
+            return True
+    return False

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import all_finite
 from hybond.engine.engine import Engine
 from hybond.engine.mode.mode_records import Mode
@@ -31,18 +32,27 @@ FARTHER: Final = 16.0
 """How much longer each next step is."""
 FARTHEST: Final = 1e150
 HALVES: Final = 200
+NO_ROW: Final = -1
+DERIVED: Final = 2
+"""Steps in which what is linear is solved: the second takes out rounding of the first."""
 APART: Final = 4.0
 """Numbers that are more than so many times each other are halved by their powers of two."""
 
 
-def enclosed(e: Engine, mode: Mode, v: Floats, r: Floats, begin: float) -> bool:
-    """Find the one free unknown, into `r`, from where it is looked for; False if it is not there.
+def enclosed(e: Engine, mode: Mode, v: Floats, r: Floats, from_guess: bool) -> bool:
+    """Find the free unknown of the one law, into `r`, from its guess or zero; False if it has none.
 
-    Laws of more unknowns, and those that constraints are hidden in, are not asked.
+    Other laws are not asked; derivatives of constraints, which are linear in what else is free,
+    follow from it.
     """
-    if mode.finite_frees != 1 or mode.dynamics != 1 or mode.rank != mode.structures:
+    row = the_law(mode)
+    j = the_unknown(e, mode, row) if row >= 0 else NO_ROW
+    if j < 0 or mode.dynamics != mode.finite_frees or mode.rank != mode.structures:
         return False
-    here = residual_at(e, mode, v, r, begin)
+    for k in range(mode.finite_frees):
+        r[k] = mode.guess.at[k] if from_guess else 0.0
+    begin = r[j]
+    here = residual_at(e, mode, v, r, row, j, begin)
     if here != here or here == 0.0:
         return False
     # a part of next to nothing may be zero, and would never grow
@@ -53,21 +63,21 @@ def enclosed(e: Engine, mode: Mode, v: Floats, r: Floats, begin: float) -> bool:
     below = True
     while step < FARTHEST and (above or below):
         if above:
-            there = residual_at(e, mode, v, r, begin + step)
+            there = residual_at(e, mode, v, r, row, j, begin + step)
             above = is_alike(there, here)
             beyond = begin + FARTHER * step
-            if there == 0.0 and residual_at(e, mode, v, r, beyond) == 0.0:
+            if there == 0.0 and residual_at(e, mode, v, r, row, j, beyond) == 0.0:
                 return False
-            if not above and ends_between(e, mode, v, r, up, begin + step, here):
+            if not above and ends_between(e, mode, v, r, row, j, up, begin + step, here):
                 return True
             up = begin + step
         if below:
-            there = residual_at(e, mode, v, r, begin - step)
+            there = residual_at(e, mode, v, r, row, j, begin - step)
             below = is_alike(there, here)
             beyond = begin - FARTHER * step
-            if there == 0.0 and residual_at(e, mode, v, r, beyond) == 0.0:
+            if there == 0.0 and residual_at(e, mode, v, r, row, j, beyond) == 0.0:
                 return False
-            if not below and ends_between(e, mode, v, r, down, begin - step, here):
+            if not below and ends_between(e, mode, v, r, row, j, down, begin - step, here):
                 return True
             down = begin - step
         step *= FARTHER
@@ -79,16 +89,54 @@ def is_alike(a: float, b: float) -> bool:
     return (a > 0.0 and b > 0.0) or (a < 0.0 and b < 0.0)
 
 
-def residual_at(e: Engine, mode: Mode, v: Floats, r: Floats, x: float) -> float:
-    """Return what is left of the law at a value of the unknown, which goes into `r`."""
-    r[0] = x
+def the_law(mode: Mode) -> int:
+    """Return the row of the only law, or of all that there is; NO_ROW if there are several."""
+    if mode.dynamics == 1:
+        return 0
+    found = NO_ROW
+    for i in range(mode.dynamics):
+        if mode.dynamic[i] >= 0:
+            if found != NO_ROW:
+                return NO_ROW
+            found = i
+    return found
+
+
+def the_unknown(e: Engine, mode: Mode, row: int) -> int:
+    """Return the only free unknown that a law reads; NO_ROW if there are several."""
+    if mode.finite_frees == 1:
+        return 0
+    m = e.model
+    found = NO_ROW
+    d = mode.dynamic[row]
+    for p in range(m.law_reads[d], m.law_reads[d + 1]):
+        k = m.law_column[p]
+        for s in range(mode.share_first.at[k], mode.share_first.at[k + 1]):
+            j = mode.share_of.at[s]
+            if found != NO_ROW and found != j:
+                return NO_ROW
+            found = j
+    return found
+
+
+def residual_at(e: Engine, mode: Mode, v: Floats, r: Floats, row: int, j: int, x: float) -> float:
+    """Return what is left of the law at a value of its unknown, which goes into `r`."""
+    r[j] = x
     with_free(mode, 2 * e.model.bonds, e.work.base, r, e.work.w)
     system(e, mode, v, e.work.w)
-    return e.work.residual.at[0]
+    return e.work.residual.at[row]
 
 
 def ends_between(
-    e: Engine, mode: Mode, v: Floats, r: Floats, near: float, far: float, here: float
+    e: Engine,
+    mode: Mode,
+    v: Floats,
+    r: Floats,
+    row: int,
+    j: int,
+    near: float,
+    far: float,
+    here: float,
 ) -> bool:
     """Halve what is between a value where the law has the sign of `here` and one where not.
 
@@ -98,17 +146,28 @@ def ends_between(
         middle = middle_of(near, far)
         if middle == near or middle == far:
             break
-        if is_alike(residual_at(e, mode, v, r, middle), here):
+        if is_alike(residual_at(e, mode, v, r, row, j, middle), here):
             near = middle
         else:
             far = middle
-    left = residual_at(e, mode, v, r, near)
-    if math.fabs(residual_at(e, mode, v, r, far)) > math.fabs(left):
-        residual_at(e, mode, v, r, near)
-    rows = 1
-    if not all_finite(rows, e.work.residual.at) or not all_finite(rows, e.work.jacobian.at):
+    left = residual_at(e, mode, v, r, row, j, near)
+    if math.fabs(residual_at(e, mode, v, r, row, j, far)) > math.fabs(left):
+        residual_at(e, mode, v, r, row, j, near)
+    frees = mode.finite_frees
+    fit(e.work.step, frees + mode.dynamics + 1)
+    for _ in range(DERIVED if frees > 1 else 0):
+        # what else is free follows by what is linear in it
+        if not newton_step(e, mode.dynamics, frees):
+            return False
+        for k in range(frees):
+            r[k] -= e.work.step.at[k] if k != j else 0.0
+        residual_at(e, mode, v, r, row, j, r[j])
+        if not all_finite(frees, e.work.residual.at):
+            return False
+    rows = mode.dynamics
+    if not all_finite(rows, e.work.residual.at) or not all_finite(rows * frees, e.work.jacobian.at):
         return False
-    mode.regular = newton_step(e, rows, rows)
+    mode.regular = newton_step(e, rows, frees)
     return put_back(e, mode, v, e.work.w)
 
 

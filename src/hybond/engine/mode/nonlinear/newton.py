@@ -133,8 +133,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         found = by_held_rows(e, mode, v, r)
     if not found and mode.guessed:
         found = shorter_steps(e, mode, v, r, mode.guess.at)
-    if not found and mode.guessed and frees == 1:
-        found = enclosed(e, mode, v, r, mode.guess.at[0])
+    if not found and mode.guessed:
+        found = enclosed(e, mode, v, r, True)
     work.had_values = False
     found = found or from_nothing_known(e, mode, v, r)
     # full steps come ever nearer to a flow that is zero beside others that are not
@@ -164,7 +164,7 @@ def from_nothing_known(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
         found = damped(e, mode, v, r)
         found = found or continued(e, mode, v, r)
     found = found or led_up(e, mode, v, r)
-    return found or enclosed(e, mode, v, r, 0.0)
+    return found or enclosed(e, mode, v, r, False)
 
 
 def level_edges(e: Engine, mode: Mode, v: Floats, base: Floats) -> None:

@@ -34,26 +34,26 @@ def led_between(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
     if may_have_several(e, mode) or mode.branch.others != NEVER:
         return False
     near = r[0]
-    there = residual_at(e, mode, v, r, near)
+    there = residual_at(e, mode, v, r, 0, 0, near)
     far = next_of(e, near)
-    beyond = residual_at(e, mode, v, r, far)
+    beyond = residual_at(e, mode, v, r, 0, 0, far)
     if not is_between(there, beyond):
         return False
     guess = mode.guess.at[0] if mode.guessed else 0.0
     if (guess - near) * (guess - far) < 0.0:
-        left = residual_at(e, mode, v, r, guess)
+        left = residual_at(e, mode, v, r, 0, 0, guess)
         if is_alike(left, there):
             near = guess
         elif is_alike(left, beyond):
             far = guess
     for _ in range(TIMES):
         middle = 0.5 * near + 0.5 * far
-        left = residual_at(e, mode, v, r, middle)
+        left = residual_at(e, mode, v, r, 0, 0, middle)
         if left != left or middle == near or middle == far:
             return False
         after = next_of(e, middle)
         if (after - near) * (after - far) < 0.0:
-            less = residual_at(e, mode, v, r, after)
+            less = residual_at(e, mode, v, r, 0, 0, after)
             if math.fabs(less) <= LESS * math.fabs(left):
                 r[0] = after
                 return True
