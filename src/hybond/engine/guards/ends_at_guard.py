@@ -166,7 +166,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
             if e.step.off > 1.0:
                 return shorten(e, g)
             if retry(e, end) != OK:
-                return REFUSED
+                return as_led(e, g)
         if locate(e, g) != OK:
             return REFUSED
         if g.at < math.inf:
@@ -176,7 +176,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         return OK
     # the instant was not found again: the step as it was
     if e.step.t1 != longest and retry(e, longest) != OK:
-        return shorten(e, g) if by_radau(e) and e.step.off > 1.0 else REFUSED
+        return as_led(e, g)
     if about and locate(e, g) != OK:
         return REFUSED
     if not about or g.at == math.inf:
@@ -211,16 +211,10 @@ def closer(e: Engine, g: Locator) -> int:
 
 
 def shorten(e: Engine, g: Locator) -> int:
-    """Repeat a step that its error forbids, shorter, and look whether a guard holds in it.
-
-    Implicit steps have been repeated by far shorter ones, as many as are made in vain; what is left
-    of the way is for the run.
-    """
-    h = e.step.t1 - e.step.t0
+    """Repeat a step that its error forbids, shorter, and look whether a guard holds in it."""
     if by_radau(e):
-        if not h > 0.0 or locate(e, g) != OK:
-            return REFUSED
-        return land_first(e, g, room_of_instant(e, e.t)) if g.at < math.inf else OK
+        return as_led(e, g)
+    h = e.step.t1 - e.step.t0
     made = REFUSED
     for _ in range(SHORTER):
         h *= 0.5
@@ -236,3 +230,13 @@ def shorten(e: Engine, g: Locator) -> int:
     if g.at < math.inf:
         return land_first(e, g, room_of_instant(e, e.t))
     return OK
+
+
+def as_led(e: Engine, g: Locator) -> int:
+    """Let the step end where shorter ones have led that were too many, and look for a guard there.
+
+    What is left of the way is for the run.
+    """
+    if not (by_radau(e) and e.step.off > 1.0 and e.step.t1 > e.step.t0) or locate(e, g) != OK:
+        return REFUSED
+    return land_first(e, g, room_of_instant(e, e.t)) if g.at < math.inf else OK

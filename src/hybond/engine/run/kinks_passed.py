@@ -54,8 +54,9 @@ ASIDE: Final = 0.25
 def end_at_kink(e: Engine, r: Run, at: float) -> int:
     """End the step just behind a kink; REFUSED where it leads nowhere.
 
-    Where only far shorter steps lead there, it ends before, and the run makes them. What is behind the kink must not show before it. Where the two are one instant, the step ends
-    before the kink, and is carried over by the rates there: the next one begins behind it.
+    Where only far shorter steps lead there, it ends before, and the run makes them. What is behind
+    the kink must not show before it. Where the two are one instant, the step ends before the kink,
+    and is carried over by the rates there: the next one begins behind it.
     """
     g = r.locator
     kink = kink_there(e, g)

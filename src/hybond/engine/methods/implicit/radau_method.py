@@ -20,6 +20,7 @@ from hybond.engine.methods.explicit.failed_steps import (
 )
 from hybond.engine.methods.explicit.one_instant import jump_lies_between
 from hybond.engine.methods.implicit.radau import (
+    RADAU_GROW,
     STEP_MADE,
     begin_radau,
     retry_radau,
@@ -120,6 +121,9 @@ def radau_retry(e: Engine, t_end: float) -> int:
     made = retry_radau(e, e.radau, e.model.rtol, t_end, min(e.model.max_step, e.longest))
     if e.step.off > 1.0:
         accept_radau(e)
+        # the run goes on as they did
+        last = e.radau.pieces - 1
+        e.step.h = min(e.step.h, RADAU_GROW * (e.radau.t1 - e.radau.piece_t0[last]))
     if made != STEP_MADE:
         return radau_failed(e)
     accept_radau(e)
