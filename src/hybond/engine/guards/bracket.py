@@ -14,6 +14,8 @@ from hybond.engine.methods.explicit.dopri import spacing
 
 SEARCH: Final = 40
 """Most iterations of one root or extremum search."""
+AT_ONCE: Final = 1e-9
+"""Part of the run that a step is which takes next to no time."""
 NEXT_TO: Final = 4.0
 """How far looks beside a root go, beside the first, before its comparison is asked how far to."""
 
@@ -88,7 +90,9 @@ def bracket(e: Engine, g: Locator, k: int, low: float, high: float) -> float:
     g.bracket_high = high
     if turned == 1 and crosses:
         at = root_between(e, g, which, low, at_low, high, at_high)
-        around(e, g, k, at, False, which, (at_high - at_low) / (high - low))
+        # in next to no time all that is compared may be rounding
+        lasts = at - e.step.t0 > AT_ONCE * e.span
+        around(e, g, k, at, False, which if lasts else -1, (at_high - at_low) / (high - low))
         return halve(e, g, k)
     forget_asked(g)
     return halve(e, g, k)

@@ -35,7 +35,7 @@ from hybond.engine.methods.implicit.radau_stages import (
     rate_at,
     stage_rates,
 )
-from hybond.engine.methods.implicit.settled_rates import SHORT_PART, settle_rates
+from hybond.engine.methods.implicit.settled_rates import SHORT_PART, is_beside_edge, settle_rates
 from hybond.engine.methods.implicit.whole_stages import put_left, take_all
 from hybond.engine.surfaces.values import evaluate
 
@@ -74,13 +74,14 @@ def own_stages(e: Engine, r: Radau, rtol: float, least: float) -> bool:
 def stages_through_rest(e: Engine, r: Radau, rtol: float) -> bool:
     """Find stages by slopes of their own where one matrix does not serve a flow beside rest.
 
-    The slope of a root is far from that of the next stage there, however smooth the motion is.
+    The slope of a root is far from that of the next stage there, however smooth the motion is. What
+    runs into an edge, or from there, has ways of its own.
     """
     if e.model.begins == 0 or e.slide.k > 0 or (r.vain_h > 0.0 and r.h > SOONER * r.vain_h):
         return False
-    if stages_by_foreseen(e, r, rtol, STALLS, SHORT_PART):
-        return True
-    if stages_from_edge(e, r, rtol, STALLS, SHORT_PART):
+    found = stages_by_foreseen(e, r, rtol, STALLS, SHORT_PART)
+    found = found or stages_from_edge(e, r, rtol, STALLS, SHORT_PART)
+    if found and not is_beside_edge(e, r):
         return True
     r.vain_h = r.h
     r.vain_least = STALLS

@@ -40,7 +40,7 @@ def takes_nearer_slopes(e: Engine, r: Radau, rtol: float) -> bool:
         return True
     if r.nearer < 1.0 or r.doubted_at == r.t0 or r.sided:
         return False
-    if e.model.bends > 0.0:
+    if e.model.edges > 0 or e.model.bends > 0.0:
         return False
     n = r.n
     r.doubted_at = r.t0
