@@ -94,3 +94,31 @@ def test_orifice_that_next_to_nothing_drives_takes_few_steps(solver: str, law: s
     assert run["A.e"].at(end) == pytest.approx(gas, rel=1e-6)
     assert run["C.e"].at(end) == pytest.approx(gas, rel=1e-6)
     assert run.stats["steps"] < 1500
+
+
+@pytest.mark.parametrize(
+    "law",
+    ["1.0477e-06*sqrt(max(0,e-50000))", "if e > 50000 then 1.0477e-06*sqrt(e-50000) else 0"],
+)
+def test_check_valve_that_closes_as_what_is_behind_it_turns(law: str) -> None:
+    """A volume follows the pressure behind its valve; it took 10,000 steps, or HB-N410."""
+    small = 1.398e-14
+    m = hb.Model("closes", domain="hydraulic")
+    m.add(
+        A=hb.C(f"{small!r} m^3/Pa", e="7 MPa"),
+        n=hb.Zero(),
+        j=hb.One(),
+        V=hb.R({"f": law}),
+        P=hb.Se("1.7e6+5e10*(time-0.0103)^2"),
+    )
+    m.bond("n -> A", "n -> j", "j -> V", "j -> P")
+    run = hb.simulate(m, until=0.03)
+    for t in (0.004, 0.006, 0.008):
+        flow = small * 1e11 * (0.0103 - t)
+        # what the valve needs falls as well: 2 q q'/k^2 of the slope of the pressure
+        less = small * 2.0 * flow * small * 1e11 / 1.0477e-06**2
+        assert run["V.f"].at(t) == pytest.approx(flow + less, rel=1e-3)
+    assert run["A.e"].at(0.03) == pytest.approx(1.75e6, rel=1e-6)
+    assert run["V.f"].at(0.03) == 0.0
+    assert run.status == "ok"
+    assert run.stats["steps"] < 1500

@@ -187,12 +187,12 @@ def try_radau(e: Engine, r: Radau, rtol: float) -> int:
     if found == STAGES_FAILED and fresh and takes_nearer_slopes(e, r, rtol):
         if factorise(r) != SINGULAR:
             found = iterate_beside_edge(e, r, rtol)
-    if found == STAGES_FAILED and fresh and not r.sided and stages_through_rest(e, r, rtol):
-        if factorise(r) != SINGULAR:
-            found = STAGES_CONVERGED
     through = found == STAGES_FAILED and fresh and r.sided and goes_through(e, r, rtol)
     if through:
         found = STAGES_CONVERGED
+    if found == STAGES_FAILED and fresh and stages_through_rest(e, r, rtol):
+        if factorise(r) != SINGULAR:
+            found = STAGES_CONVERGED
     if e.model.tells != 0:
         r.blamed = ERROR_BLAMED if found == STAGES_CONVERGED else STAGES_BLAMED
     if found != STAGES_CONVERGED:
