@@ -1,12 +1,12 @@
-"""Turbulent orifices between volumes of oil in SI units: pressures of 1e7 Pa that differ by 1e-6."""
+"""Turbulent orifices between volumes of oil in SI units: 1e7 Pa that differ by 1e-6."""
 
 import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import hybond as hb
-from scipy.integrate import solve_ivp
 
 W, Q = 274.69717876038743, 3.3794125206124035e-05
 SMALL, LARGE = 2.6739455852334826e-14, 6.706724322760052e-14
@@ -29,7 +29,7 @@ def check_valve_whose_flow_touches_zero() -> hb.Model:
 
 
 def orifice_beside_a_pipe(law: str) -> hb.Model:
-    """A chamber joined to an accumulator by an orifice and a pipe, that follow by next to nothing."""
+    """A chamber joined to an accumulator by an orifice and a pipe, driven by next to nothing."""
     m = hb.Model("follows", domain="hydraulic")
     m.add(
         S=hb.Sf("4.4e-4*(1+0.5*sin(154.86*time))"),
