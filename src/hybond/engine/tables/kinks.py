@@ -33,6 +33,7 @@ from hybond.model.expressions import (
     uses_pre,
 )
 from hybond.model.expressions.kinks import leaping
+from hybond.model.expressions.level_sides import joins
 from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
@@ -89,7 +90,10 @@ def put_kinks(t: ModelTables) -> None:
         )
     ]
     t.ints["kink_meets"] = [
-        int(rest is not None and all(meets(e, simplify(a)) for e in said.get(a, ())))
+        int(
+            (rest is not None or simplify(a) in sides)
+            and all(meets(e, simplify(a)) or joins(e, a) for e in said.get(a, ()))
+        )
         for a, rest in zip(found, at_rest, strict=True)
     ]
     t.ints["kink_rooted"] = [
