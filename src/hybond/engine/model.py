@@ -433,6 +433,9 @@ class Model:
     bends: float  # what arguments of laws are beside a limit on one side alone, at least; 0: none
     edge_bonds: int
     edge_bond: Ints  # the bond variables that these read
+    level_pairs: int  # two of them that laws compare, each of which has one value where they meet
+    level_one: Ints
+    level_other: Ints
 
     # courses: what time, or a phase, does where a step reads it; parts work on parts before them
     courses: int

@@ -135,6 +135,16 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+    meeting = [simplify(a) for a, k in zip(found, t.ints["kink_meets"], strict=False) if k]
+    pairs = [
+        (t.slots.index[a.left.path] - bonds.start, t.slots.index[a.right.path] - bonds.start)
+        for a in dict.fromkeys(meeting)
+        if isinstance(a, Binary) and isinstance(a.left, Name) and isinstance(a.right, Name)
+        if t.slots.index[a.left.path] in bonds and t.slots.index[a.right.path] in bonds
+    ]
+    t.numbers["level_pairs"] = len(pairs)
+    t.ints["level_one"] = [one for one, _ in pairs]
+    t.ints["level_other"] = [other for _, other in pairs]
 
 
 def _put_surface_jumps(t: ModelTables, found: dict[Expr, int]) -> list[Expr]:
