@@ -143,8 +143,7 @@ def put_kinks(t: ModelTables) -> None:
         if t.slots.index[a.left.path] in bonds and t.slots.index[a.right.path] in bonds
     ]
     t.numbers["level_pairs"] = len(pairs)
-    t.ints["level_one"] = [one for one, _ in pairs]
-    t.ints["level_other"] = [other for _, other in pairs]
+    t.ints["level_pair"] = [k for pair in pairs for k in pair]
 
 
 def _put_surface_jumps(t: ModelTables, found: dict[Expr, int]) -> list[Expr]:

@@ -18,9 +18,11 @@ from hybond.model.expressions.tree import (
     Compare,
     Expr,
     If,
+    Name,
     Neg,
     Number,
     fold,
+    walk,
     with_children,
 )
 
@@ -52,11 +54,17 @@ def joins(e: Expr, turn: Expr) -> bool:
     bare = simplify(turn)
     while isinstance(bare, Neg):
         bare = bare.arg
-    return _beside(e, bare, True) == _beside(e, bare, False)
+    if not isinstance(bare, Name | Binary):
+        return False
+    above = _beside(e, bare, True)
+    return above is not None and above == _beside(e, bare, False)
 
 
-def _beside(e: Expr, turn: Expr, above: bool) -> Expr:
-    """Return an expression with a difference at zero, and its sign that of one side."""
+def _beside(e: Expr, turn: Name | Binary, above: bool) -> Expr | None:
+    """Return an expression with a difference at zero, and its sign that of one side.
+
+    None where something else jumps there, or may do so.
+    """
     first: Expr = turn
     second: Expr = _ZERO
     if isinstance(turn, Binary) and turn.op == "-":
@@ -64,7 +72,10 @@ def _beside(e: Expr, turn: Expr, above: bool) -> Expr:
         if isinstance(first, Number):
             first, second = second, first
 
+    doubts = False
+
     def again(node: Expr, _: bool, below: list[Expr]) -> Expr:
+        nonlocal doubts
         if node == first:
             return second
         if isinstance(node, Compare) or (isinstance(node, Call) and node.function == "sign"):
@@ -74,9 +85,33 @@ def _beside(e: Expr, turn: Expr, above: bool) -> Expr:
                 if isinstance(node, Call):
                     return Number(1.0 if positive else -1.0)
                 return Bool(positive == (node.op in (">", ">=")))
-        return _at_level(with_children(node, tuple(below)) if below else node)
+        found = _at_level(with_children(node, tuple(below)) if below else node)
+        if _leaps(found) and any(part == first for part, _ in walk(node)):
+            doubts = True
+        return found
 
-    return fold(e, again)
+    found = fold(e, again)
+    return None if doubts else found
+
+
+def _equal_there(turn: Name | Binary) -> tuple[Expr, Expr]:
+    """Return what is to be replaced, and by what, where a difference is zero."""
+    match turn:
+        case Binary("-", left, Binary("-" | "+", first, Name() as apart)) if left == first:
+            return apart, _ZERO
+        case Binary("-", Binary("-" | "+", first, Name() as apart), right) if right == first:
+            return apart, _ZERO
+        case Binary("-", Number() as left, right):
+            return right, left
+        case Binary("-", left, right):
+            return left, right
+    return turn, _ZERO
+
+
+def _leaps(e: Expr) -> bool:
+    """Whether an operation jumps somewhere."""
+    jumps = ("sign", "floor", "ceil", "mod")
+    return isinstance(e, Compare) or (isinstance(e, Call) and e.function in jumps)
 
 
 def _way(node: Compare | Call, turn: Expr) -> int:

@@ -180,7 +180,8 @@ def level_edges(e: Engine, mode: Mode, v: Floats, base: Floats) -> None:
         if is_level(e, mode, v, base, first):
             put_level(e, mode, base, first)
     for i in range(m.level_pairs):
-        put_together(e, mode, base, mode.same[m.level_one[i]], mode.same[m.level_other[i]])
+        one = mode.same[m.level_pair[2 * i]]
+        put_together(e, mode, base, one, mode.same[m.level_pair[2 * i + 1]])
 
 
 def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
