@@ -65,13 +65,9 @@ def _beside(e: Expr, turn: Name | Binary, above: bool) -> Expr | None:
 
     None where something else jumps there, or may do so.
     """
-    first: Expr = turn
-    second: Expr = _ZERO
-    if isinstance(turn, Binary) and turn.op == "-":
-        first, second = turn.left, turn.right
-        if isinstance(first, Number):
-            first, second = second, first
-
+    first, second = _equal_there(turn)
+    if any(part == first for part, _ in walk(second)):
+        return None
     doubts = False
 
     def again(node: Expr, _: bool, below: list[Expr]) -> Expr:
