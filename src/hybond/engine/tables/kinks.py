@@ -91,8 +91,9 @@ def put_kinks(t: ModelTables) -> None:
     ]
     t.ints["kink_meets"] = [
         int(
-            (rest is not None or simplify(a) in sides)
-            and all(meets(e, simplify(a)) or joins(e, a) for e in said.get(a, ()))
+            all(meets(e, simplify(a)) for e in said.get(a, ()))
+            if rest is not None
+            else simplify(a) in sides and all(joins(e, a) for e in said.get(a, ()))
         )
         for a, rest in zip(found, at_rest, strict=True)
     ]

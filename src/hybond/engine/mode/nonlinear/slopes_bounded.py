@@ -69,9 +69,9 @@ def is_bounded(m: Model, mode: Mode, i: int, a: Floats) -> bool:
 
 
 def way_to_slope(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> float:
-    """Return how far beside here row i is seen to have a slope by variable k, on a side at least.
+    """Return how far beside here row i is asked on which side it rises by variable k.
 
-    Zero where it is not. A root has one beside its end. Where a law has none there either, its
+    Zero where it has no slope beside here, on either side. A root has one beside its end. Where a law has none there either, its
     numbers are beyond all bounds, as those of ``f/(1 + f^2)`` far behind its top: no slope stands
     for that. A law may see the variable beside another one of its kind alone: the pressure
     ``p - e`` behind an orifice is p for all that is less than rounding of p.
@@ -83,7 +83,7 @@ def way_to_slope(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> float:
     size = math.fabs(v[m.bond_slot + k])
     way = max(BESIDE, BESIDE_PART * size)
     if has_slope_beside(e, d, k, v, way):
-        return way
+        return BESIDE
     reach = size
     for p in range(m.law_reads[d], m.law_reads[d + 1]):
         other = m.law_column[p]
