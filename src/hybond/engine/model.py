@@ -56,10 +56,9 @@ class Model:
     rule_piece: Ints  # 1: leads from one piece of a law to the next
     rule_reaction: Ints
     rule_value: Ints  # the guard as it is: an expression
-    rule_doubted: Ints
+    rule_doubted: Ints  # whether the guard may read no number, by its form
     rule_touches: Ints  # of each rule: whether it asks for both sides of a zero
-    rule_watched: Ints
-    """Whether the guard may read no number, by its form; whether time alone may make it true."""
+    rule_watched: Ints  # whether time alone may make it true
     rule_test: Ints  # the guard while time passes: an expression. Pair k is the guard of rule k
     atom_first: Ints  # of each rule: the differences of its comparisons
     atom_value: Ints
@@ -424,8 +423,7 @@ class Model:
     timed_jump: Ints  # what depends on time and known inputs, and jumps by one at least
     edges: int  # what is nowhere negative: beyond, a root in a law has no value
     begins: int  # these, and behind them what roots are taken of on both sides
-    rooted: int
-    """So many of these by roots that are written; the others are powers, roots if turned round."""
+    rooted: int  # so many of these by roots that are written; others: powers, roots if turned
     edge_met: Ints  # whether one of these is where a kink is a root from both sides
     begin_bond: Ints  # the bond variable that each of these is; -1: none
     edge_value: Ints
@@ -433,6 +431,8 @@ class Model:
     bends: float  # what arguments of laws are beside a limit on one side alone, at least; 0: none
     edge_bonds: int
     edge_bond: Ints  # the bond variables that these read
+    level_pairs: int
+    level_pair: Ints  # two that laws compare, which all have one value where these are equal
 
     # courses: what time, or a phase, does where a step reads it; parts work on parts before them
     courses: int

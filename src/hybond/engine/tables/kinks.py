@@ -33,6 +33,7 @@ from hybond.model.expressions import (
     uses_pre,
 )
 from hybond.model.expressions.kinks import leaping
+from hybond.model.expressions.level_sides import joins
 from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
@@ -89,7 +90,11 @@ def put_kinks(t: ModelTables) -> None:
         )
     ]
     t.ints["kink_meets"] = [
-        int(rest is not None and all(meets(e, simplify(a)) for e in said.get(a, ())))
+        int(
+            all(meets(e, simplify(a)) for e in said.get(a, ()))
+            if rest is not None
+            else simplify(a) in sides and all(joins(e, a) for e in said.get(a, ()))
+        )
         for a, rest in zip(found, at_rest, strict=True)
     ]
     t.ints["kink_rooted"] = [
@@ -131,6 +136,15 @@ def put_kinks(t: ModelTables) -> None:
     seen = sorted({t.slots.index[n] for a in levels for n in names(a)})
     t.ints["edge_bond"] = [k - bonds.start for k in seen if k in bonds]
     t.numbers["edge_bonds"] = len(t.ints["edge_bond"])
+    meeting = [simplify(a) for a, k in zip(found, t.ints["kink_meets"], strict=False) if k]
+    pairs = [
+        (t.slots.index[a.left.path] - bonds.start, t.slots.index[a.right.path] - bonds.start)
+        for a in dict.fromkeys(meeting)
+        if isinstance(a, Binary) and isinstance(a.left, Name) and isinstance(a.right, Name)
+        if t.slots.index[a.left.path] in bonds and t.slots.index[a.right.path] in bonds
+    ]
+    t.numbers["level_pairs"] = len(pairs)
+    t.ints["level_pair"] = [k for pair in pairs for k in pair]
 
 
 def _put_surface_jumps(t: ModelTables, found: dict[Expr, int]) -> list[Expr]:

@@ -35,3 +35,23 @@ def put_level(e: Engine, mode: Mode, base: Floats, first: int) -> None:
     for k in range(first, 2 * e.model.bonds):
         if mode.same[k] == first:
             base[k] = 0.0
+
+
+def put_together(e: Engine, mode: Mode, base: Floats, one: int, other: int) -> None:
+    """Let two that differ by rounding of what is stored be equal, where both are known.
+
+    They are the first of those that are one with each: two pressures that a valve compares. The
+    other one is known as well if it is a source; whichever is, laws say the same of both.
+    """
+    m = e.model
+    if one == other or base[one] == base[other] or mode.finite_frees == 0:
+        return
+    shares = mode.share_first.at
+    if shares[one] != shares[one + 1] or shares[other] != shares[other + 1]:
+        return
+    size = math.fabs(base[one]) + math.fabs(base[other])
+    if not math.fabs(base[one] - base[other]) <= ROUNDED * size:
+        return
+    for k in range(2 * m.bonds):
+        if mode.same[k] == one:
+            base[k] = base[other]

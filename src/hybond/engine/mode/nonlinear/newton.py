@@ -19,7 +19,7 @@ from hybond.engine.mode.nonlinear.damped import SETTLED, damped
 from hybond.engine.mode.nonlinear.dynamic_rows import dynamic_value, slopes_at
 from hybond.engine.mode.nonlinear.enclosed import enclosed
 from hybond.engine.mode.nonlinear.led_up import led_up
-from hybond.engine.mode.nonlinear.level import ROUNDED, is_level, put_level
+from hybond.engine.mode.nonlinear.level import ROUNDED, is_level, put_level, put_together
 from hybond.engine.mode.nonlinear.neighbours import from_neighbours
 from hybond.engine.mode.nonlinear.newton_step import SWINGS, TOLERANCE, newton_step
 from hybond.engine.mode.nonlinear.newton_system import (
@@ -179,6 +179,9 @@ def level_edges(e: Engine, mode: Mode, v: Floats, base: Floats) -> None:
         first = mode.same[m.edge_bond[i]]
         if is_level(e, mode, v, base, first):
             put_level(e, mode, base, first)
+    for i in range(m.level_pairs):
+        one = mode.same[m.level_pair[2 * i]]
+        put_together(e, mode, base, one, mode.same[m.level_pair[2 * i + 1]])
 
 
 def full_steps(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:

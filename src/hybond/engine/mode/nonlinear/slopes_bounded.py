@@ -49,8 +49,10 @@ def bound_row(e: Engine, mode: Mode, i: int, v: Floats) -> None:
     for k in range(n if not bounded else 0):
         if not math.isfinite(a[i * n + k]):
             steep = chord(e, mode, i, k, v)
-            if steep == 0.0 and has_slope_beside(e, mode, i, k, v):
-                steep = STEEP * most if rises(e, mode, i, k, v) else -STEEP * most
+            if steep == 0.0:
+                way = way_to_slope(e, mode, i, k, v)
+                if way > 0.0:
+                    steep = STEEP * most if rises(e, mode, i, k, v, way) else -STEEP * most
             if steep != 0.0:
                 a[i * n + k] = steep
 
@@ -66,19 +68,38 @@ def is_bounded(m: Model, mode: Mode, i: int, a: Floats) -> bool:
     return True
 
 
-def has_slope_beside(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
-    """Whether row i has a slope by variable k beside here, on one side at least.
+def way_to_slope(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> float:
+    """Return how far beside here row i is asked on which side it rises by variable k.
 
-    A root has one beside its end. Where a law has none there either, its numbers are beyond all
-    bounds, as those of ``f/(1 + f^2)`` far behind its top: no slope stands for that.
+    Zero where it has no slope beside here, on either side. A root has one beside its end. Where a law has none there either, its
+    numbers are beyond all bounds, as those of ``f/(1 + f^2)`` far behind its top: no slope stands
+    for that. A law may see the variable beside another one of its kind alone: the pressure
+    ``p - e`` behind an orifice is p for all that is less than rounding of p.
     """
     m = e.model
     d = mode.dynamic[i]
     if d < 0:
-        return True
+        return BESIDE
+    size = math.fabs(v[m.bond_slot + k])
+    way = max(BESIDE, BESIDE_PART * size)
+    if has_slope_beside(e, d, k, v, way):
+        return BESIDE
+    reach = size
+    for p in range(m.law_reads[d], m.law_reads[d + 1]):
+        other = m.law_column[p]
+        if m.bond_class[other] == m.bond_class[k] and math.isfinite(v[m.bond_slot + other]):
+            reach = max(reach, math.fabs(v[m.bond_slot + other]))
+    way = BESIDE_PART * reach
+    if reach > size and has_slope_beside(e, d, k, v, way):
+        return way
+    return 0.0
+
+
+def has_slope_beside(e: Engine, d: int, k: int, v: Floats, way: float) -> bool:
+    """Whether law d has a slope by variable k so far beside here, on a side at least."""
+    m = e.model
     at = m.bond_slot + k
     kept = v[at]
-    way = max(BESIDE, BESIDE_PART * math.fabs(kept))
     found = False
     for p in range(m.slope_first[d], m.slope_first[d + 1]):
         if m.slope_column[p] == k and m.slope_value[p] >= 0:
@@ -89,11 +110,11 @@ def has_slope_beside(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
     return found
 
 
-def rises(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> bool:
-    """Whether row i becomes more as variable k does, beside where it has no slope."""
+def rises(e: Engine, mode: Mode, i: int, k: int, v: Floats, way: float) -> bool:
+    """Whether row i becomes more as variable k does, so far beside where it has no slope."""
     at = e.model.bond_slot + k
     kept = v[at]
-    v[at] = kept + BESIDE
+    v[at] = kept + way
     there = dynamic_value(e, mode, i, v)
     v[at] = kept
     return there > e.work.f[i]
