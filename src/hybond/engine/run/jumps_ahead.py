@@ -3,6 +3,9 @@
 A jump that a step reaches over is an error of that step, which is tried again and again until it is
 so short that the jump does nothing in it. When time alone makes one, as in ``mod(time, T) < d*T``,
 is known beforehand. So a step ends next to it, and one over it, of some last places, follows.
+
+What may be an instant of its own is left to the step that meets it: a source that jumps onto what is
+stored, or at laws of junctions.
 """
 
 from __future__ import annotations
@@ -18,10 +21,15 @@ from hybond.engine.method_numbers import RK4
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import by_radau
+from hybond.engine.mode.mode_records import is_constrained
 
 LOOKS: Final = 4
 """Places in a step, its end is the last, up to each of which it is asked whether something jumps:
 a pulse that begins and ends between two of them is found by the errors of steps."""
+MANY_JUMPS: Final = 64
+PER_STATE: Final = 4
+"""So many jumps, and more for each state, are not asked for before each step: it would take longer
+than the step itself."""
 NEXT_TO: Final = 2.0 * LAST_PLACES
 """Units in the last place of time that a step ends before a jump, and the next one behind it."""
 
@@ -29,7 +37,10 @@ NEXT_TO: Final = 2.0 * LAST_PLACES
 def end_at_jump(e: Engine, end: float) -> float:
     """Return where the next step ends at the latest: at `end`, or next to a jump of time alone."""
     m = e.model
-    if m.timed_laws == 0 or m.method >= RK4 or e.slide.k > 0:
+    if m.timed_laws == 0 or m.method >= RK4 or m.laws > 0:
+        return end
+    many = m.timed_laws > MANY_JUMPS + PER_STATE * e.states
+    if many or e.slide.k > 0 or is_constrained(e.mode):
         return end
     size = e.radau.next if by_radau(e) else e.step.h
     ahead = min(end, e.t + size)
