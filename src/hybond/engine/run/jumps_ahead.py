@@ -4,8 +4,8 @@ A jump that a step reaches over is an error of that step, which is tried again a
 so short that the jump does nothing in it. When time alone makes one, as in ``mod(time, T) < d*T``,
 is known beforehand. So a step ends next to it, and one over it, of some last places, follows.
 
-What may be an instant of its own is left to the step that meets it: a source that jumps onto what is
-stored, or at laws of junctions.
+What may be an instant of its own is left to the step that meets it: a source that jumps onto what
+is stored, or at laws of junctions.
 """
 
 from __future__ import annotations
