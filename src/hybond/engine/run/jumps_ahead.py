@@ -50,7 +50,8 @@ def end_at_jump(e: Engine, end: float) -> float:
     for k in range(m.timed_laws):
         jump = min(jump, before_jump(e, m.timed_jump[k], e.t, jump))
     set_time(e, e.v, e.t)
-    if not jump < ahead:
+    # what has another value at one instant alone, as a sign at zero, begins with the step
+    if not jump < ahead or jump <= e.t:
         return end
     near = NEXT_TO * spacing(jump)
     if jump - near - e.t > near:
@@ -60,8 +61,13 @@ def end_at_jump(e: Engine, end: float) -> float:
 
 def before_jump(e: Engine, which: int, a: float, b: float) -> float:
     """Return the last time in ``[a, b]`` before a value of time jumps there, `b` if it does not."""
-    way = (b - a) / float(LOOKS)
     here = value_at(e, which, a)
+    # where the last step has ended next to one, others may be as near as the first place to look
+    close = min(a + 3.0 * NEXT_TO * spacing(a), b)
+    there = value_at(e, which, close)
+    if math.fabs(there - here) > HALF:
+        return last_before(e, which, a, close)
+    way = (b - a) / float(LOOKS)
     for k in range(LOOKS):
         before = a + float(k) * way
         behind = b if k == LOOKS - 1 else before + way
