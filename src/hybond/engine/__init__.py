@@ -229,6 +229,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         contradictions      sources that do not agree behind one
         guard_at_kink, ends_at_kink    a guard that holds at one; steps that end there
         courses_ahead       steps that see all of what time does
+        jumps_ahead         steps that end next to jumps of time alone
         phases              how phases of the plant go on, such as the angle of a flywheel
         courses_kept        what is known of both, for a run that goes on
         roots_followed      which of several solutions of laws goes on, and where it ends

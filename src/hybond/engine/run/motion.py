@@ -58,6 +58,7 @@ from hybond.engine.run.edges_met import begin_at_edge, go_from_edge, is_at_edge
 from hybond.engine.run.ends_at_kink import ANEW, left_at_end, meet_kink, pass_kink, see_gaps
 from hybond.engine.run.ever_more import outruns, refuse_outrun
 from hybond.engine.run.guard_at_kink import is_over_kink
+from hybond.engine.run.jumps_ahead import end_at_jump
 from hybond.engine.run.kinks_passed import (
     events_held,
     see_crawl,
@@ -415,6 +416,7 @@ def take_step(e: Engine, r: Run, end: float) -> int:
     """Take a step no further than `end`; ANEW if it ends at an edge, -1 if the run stops."""
     m = e.model
     soon = end_before_rest(e, r, end_ahead(e, end) if m.courses > 0 else end)
+    soon = end_at_jump(e, soon)
     if step(e, soon) != OK:
         if begin_at_edge(e, r) == OK:
             return ANEW
