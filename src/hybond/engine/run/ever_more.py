@@ -2,7 +2,8 @@
 
 A comparator that is felt by what it reads only through two lags has the rate of its events grow as
 ``exp(t)``: by the same amount over each thousand of them. How many there would be up to the end
-follows from that. A run that would have more than a thousand times its limit is not asked to try.
+follows from that. A run that would have more than a thousand times its limit is not asked to try:
+not where anything hangs on the time, which may end the growth.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ PACED: Final = 1024
 """Events of which the time is taken together."""
 USUAL: Final = 1000000
 """A limit above this one was asked for: it is reached."""
+MOST_FORESEEN: Final = 1e300
 OUTRUN: Final = 1e3
 """Times the limit that would be reached."""
 GROWN: Final = 1.5
@@ -37,7 +39,7 @@ def outruns(e: Engine, r: Run) -> bool:
         r.paced = PACES_KEPT
     r.pace_at[r.paced] = e.t
     r.paced += 1
-    if r.paced <= PACES_KEPT or e.model.max_events > USUAL:
+    if r.paced <= PACES_KEPT or e.model.max_events > USUAL or tells_time(e):
         return False
     before = math.inf
     for k in range(PACES_KEPT):
@@ -55,8 +57,14 @@ def outruns(e: Engine, r: Run) -> bool:
     # by event: the rate grows with time as the exponential of that
     growth = late / float(PACED)
     more = last / growth * exp_less_one(growth * (e.until - e.t))
-    r.foreseen = more
+    r.foreseen = min(more, MOST_FORESEEN)
     return more > OUTRUN * float(e.model.max_events)
+
+
+def tells_time(e: Engine) -> bool:
+    """Whether a source or a law goes on by the time: a sweep grows as long as it is told to."""
+    m = e.model
+    return m.courses > 0 or m.generators > 0 or m.timed_jumps > 0
 
 
 def rate_in(r: Run, k: int) -> float:

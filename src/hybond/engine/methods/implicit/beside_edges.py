@@ -39,6 +39,9 @@ from hybond.engine.methods.implicit.settled_rates import SHORT_PART, is_beside_e
 from hybond.engine.methods.implicit.whole_stages import put_left, take_all
 from hybond.engine.surfaces.values import evaluate
 
+CREEPS_AFTER: Final = 4
+"""Attempts that have failed before: steps that are a little shorter serve what lies between their
+ends better than stages that are only just found."""
 SOONER: Final = 0.1
 """Part of a step for which no stages were found that the next one is at most for which they are
 looked for again."""
@@ -77,11 +80,16 @@ def stages_through_rest(e: Engine, r: Radau, rtol: float) -> bool:
     The slope of a root is far from that of the next stage there, however smooth the motion is. What
     runs into an edge, or from there, has ways of its own.
     """
-    if e.model.begins == 0 or e.slide.k > 0 or (r.vain_h > 0.0 and r.h > SOONER * r.vain_h):
+    if e.model.begins == 0 or e.slide.k > 0 or r.rejected < CREEPS_AFTER:
+        return False
+    if r.vain_h > 0.0 and r.h > SOONER * r.vain_h:
         return False
     found = stages_by_foreseen(e, r, rtol, STALLS, SHORT_PART)
     found = found or stages_from_edge(e, r, rtol, STALLS, SHORT_PART)
     if found and not is_beside_edge(e, r):
+        copy_part(r.n, r.y, 2 * r.n, r.stage, 0)
+        if rate_at(e, r.n, r.t1, r.stage, r.end) == OK:
+            settle_rates(e, r, rtol)
         return True
     r.vain_h = r.h
     r.vain_least = STALLS

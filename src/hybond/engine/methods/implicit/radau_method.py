@@ -148,7 +148,8 @@ def count_last_piece(e: Engine, r: Radau) -> None:
     """Let the rates that a step ends with count for as long as its last piece, which moved so."""
     m = e.model
     s = e.step
-    before = (s.t1 - s.t0) - (r.t1 - r.t0)
+    # where shorter steps were too many, the next of them had begun
+    before = r.piece_t0[r.pieces - 1] - s.t0
     for k in range(m.storages):
         if m.storage_pseudo[k] == 0:
             s.apart += 0.5 * s.level1[k] * before * s.f[k]

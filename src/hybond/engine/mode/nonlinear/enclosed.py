@@ -109,6 +109,8 @@ def the_unknown(e: Engine, mode: Mode, row: int) -> int:
     m = e.model
     found = NO_ROW
     d = mode.dynamic[row]
+    if d < 0:
+        return NO_ROW
     for p in range(m.law_reads[d], m.law_reads[d + 1]):
         k = m.law_column[p]
         for s in range(mode.share_first.at[k], mode.share_first.at[k + 1]):

@@ -71,10 +71,11 @@ def is_bounded(m: Model, mode: Mode, i: int, a: Floats) -> bool:
 def way_to_slope(e: Engine, mode: Mode, i: int, k: int, v: Floats) -> float:
     """Return how far beside here row i is asked on which side it rises by variable k.
 
-    Zero where it has no slope beside here, on either side. A root has one beside its end. Where a law has none there either, its
-    numbers are beyond all bounds, as those of ``f/(1 + f^2)`` far behind its top: no slope stands
-    for that. A law may see the variable beside another one of its kind alone: the pressure
-    ``p - e`` behind an orifice is p for all that is less than rounding of p.
+    Zero where it has no slope beside here, on either side. A root has one beside its end. Where a
+    law has none there either, its numbers are beyond all bounds, as those of ``f/(1 + f^2)`` far
+    behind its top: no slope stands for that. A law may see the variable beside another one of its
+    kind alone: the pressure ``p - e`` behind an orifice is p for all that is less than rounding of
+    p.
     """
     m = e.model
     d = mode.dynamic[i]
