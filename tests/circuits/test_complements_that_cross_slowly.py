@@ -17,8 +17,11 @@ CROSSED = 0.51e-3
 
 @pytest.mark.parametrize("half", [0.01, 1e-5])
 @pytest.mark.parametrize("down", [False, True])
-@pytest.mark.parametrize("clamped", [False, True])
-def test_the_current_of_a_coil_goes_on(tmp_path, half, down, clamped):
+@pytest.mark.parametrize("beside", ["", "clamp", "kink"])
+def test_the_current_of_a_coil_goes_on(tmp_path, half, down, beside):
+    """Whatever else there is: a law with a kink in another circuit made it stop as well."""
+    clamped = beside == "clamp"
+    bent = ["Vk k 0 SIN(0 1 1k)", "B9 k2 0 V = abs(V(k))", "R9 k2 k3 1k", "C9 k3 0 1u"]
     way = -1.0 if down else 1.0
     first, last, lag = (2.5 + way * half * k for k in (-1.0, 1.0, -1.02))
     rows = [
@@ -33,6 +36,7 @@ def test_the_current_of_a_coil_goes_on(tmp_path, half, down, clamped):
         "L1 a b 1m IC=1",
         "R1 b 0 1",
         *(["D1 0 d DI", "R2 a d 1k", ".model DI D(RON=1 ROFF=1e9 VFWD=0)"] if clamped else []),
+        *(bent if beside == "kink" else []),
         ".model SW SW(VT=2.5 RON=0.05 ROFF=1e8)",
         ".tran 10u 1m uic",
     ]

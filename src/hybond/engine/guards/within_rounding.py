@@ -112,9 +112,9 @@ def first_after(e: Engine, g: Locator, k: int, t: float, room: float, top: float
         at = min(t + away, top)
         if at > e.step.t1:
             before = e.step.t1
-            if e.model.kinks + e.model.slide_kinks > 0 or make_to(e, g, at) != OK:
+            if e.model.slide_kinks > 0 or make_to(e, g, at) != OK:
                 return t
-            if e.step.off > 1.0:
+            if e.step.off > 1.0 or passes_kink(e, g, at):
                 g.failed = make_to(e, g, before) != OK
                 return t
         if holds_at(e, g, k, at):
@@ -122,6 +122,14 @@ def first_after(e: Engine, g: Locator, k: int, t: float, room: float, top: float
         if g.failed or at == top or not is_within(e, g, k):
             return t
         away = FARTHER * away
+
+
+def passes_kink(e: Engine, g: Locator, t: float) -> bool:
+    """Whether a step has led over a kink up to `t`: one is to end there."""
+    for k in range(g.guards):
+        if g.side[k] != NO_KINK and holds_at(e, g, k, t):
+            return True
+    return g.failed
 
 
 def changes_others(e: Engine, g: Locator, last: float) -> bool:
