@@ -154,3 +154,22 @@ def test_valve_that_begins_where_pressures_are_equal(law: str, solver: str) -> N
     for t in (0.001, 0.004, 0.01, 0.015):
         assert run["V.e"].at(t) == pytest.approx(apart.sol(t)[0] ** 2, rel=1e-4)
     assert run.audit().holds()
+
+
+def test_what_turns_within_a_step_turns_between_its_ends() -> None:
+    """One of two roots begins in a step: dense output was led one way, 1,000 Pa beside it."""
+    small, k, turns = 1.1364197361361094e-13, 1.1897771254867412e-07, 0.015386735860190574
+    pressure = f"2e6+1.1497760040924e8*(time-{turns!r})^2"
+    m = hb.Model("turns", domain="hydraulic")
+    m.add(
+        A=hb.C(f"{small!r} m^3/Pa", e=f"{2e6 + 1.1497760040924e8 * turns**2!r} Pa"),
+        n=hb.Zero(),
+        j=hb.One(),
+        V=hb.R({"f": f"{k!r}*(sqrt(max(0,e))-sqrt(max(0,-e)))"}),
+        P=hb.Se(pressure),
+    )
+    m.bond("n -> A", "n -> j -> P", "j -> V")
+    run = hb.simulate(m, until=0.03)
+    for t in np.linspace(0.002, 0.029, 40):
+        flow = small * 2.2995520081848e8 * (turns - t)
+        assert run["V.e"].at(t) == pytest.approx(math.copysign((flow / k) ** 2, flow), abs=0.1)

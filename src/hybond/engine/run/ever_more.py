@@ -64,7 +64,10 @@ def outruns(e: Engine, r: Run) -> bool:
 def tells_time(e: Engine) -> bool:
     """Whether a source or a law goes on by the time: a sweep grows as long as it is told to."""
     m = e.model
-    return m.courses > 0 or m.generators > 0 or m.timed_jumps > 0
+    told = m.courses > 0 or m.timed_jumps > 0
+    for k in range(m.generators):
+        told = told or m.generator_moving[k] != 0
+    return told
 
 
 def rate_in(r: Run, k: int) -> float:

@@ -348,7 +348,7 @@ def lead_without_turn(r: Radau, all_of_it: bool) -> None:
     """Let the dense output rise or fall without a turn: of what is held, or of all states."""
     n = r.n
     for i in range(n):
-        if not (all_of_it or is_held(r, i)):
+        if not (all_of_it or (is_held(r, i) and goes_one_way(r, i))):
             continue
         way = r.z[2 * n + i]
         begin = within_turn(r.h * r.f0[i], way)
@@ -356,6 +356,16 @@ def lead_without_turn(r: Radau, all_of_it: bool) -> None:
         r.coefficients[i] = begin
         r.coefficients[n + i] = 3.0 * way - 2.0 * begin - end
         r.coefficients[2 * n + i] = begin + end - 2.0 * way
+
+
+def goes_one_way(r: Radau, i: int) -> bool:
+    """Whether a state moves one way from end to end, by its rates: else it does turn between."""
+    n = r.n
+    way = r.z[2 * n + i]
+    one = r.f0[i] * way >= 0.0
+    for s in range(3):
+        one = one and r.f[s * n + i] * way >= 0.0
+    return one
 
 
 def keep_within(e: Engine, r: Radau) -> None:
