@@ -129,8 +129,13 @@ def test_check_valve_that_closes_as_what_is_behind_it_turns(law: str) -> None:
     "law",
     ["1e-8*sqrt(max(0,e))", "if e > 0 then 1e-8*sqrt(e) else 0", "1e-8*sign(e)*sqrt(abs(e))"],
 )
-def test_valve_that_begins_where_pressures_are_equal(law: str, solver: str) -> None:
-    """The vessel was put 1e4 Pa below what is behind its check valve, with status ok."""
+@pytest.mark.parametrize("beside", ["", "1e8 Pa*s/m^3", "1e9 Pa*s/m^3", "1e12 Pa*s/m^3"])
+def test_valve_that_begins_where_pressures_are_equal(law: str, beside: str, solver: str) -> None:
+    """The vessel was put 1e4 Pa below what is behind its check valve, with status ok.
+
+    Beside a part that nothing joins it was 2.4 Pa off: rounding of the pressures was taken to make
+    flows by the slope of a root at zero.
+    """
     m = hb.Model("level", domain="hydraulic")
     m.add(
         A=hb.C("1e-12 m^3/Pa", e="10040000.0 Pa"),
@@ -140,6 +145,9 @@ def test_valve_that_begins_where_pressures_are_equal(law: str, solver: str) -> N
         P=hb.Se("1e7+1e8*(time-0.02)^2"),
     )
     m.bond("n -> A", "n -> j -> P", "j -> V")
+    if beside:
+        m.add(apart=hb.C("1e-10 m^3/Pa", e="1 bar"), alone=hb.Zero(), leak=hb.R(beside))
+        m.bond("alone -> apart", "alone -> leak")
     run = hb.simulate(m, until=0.018, solver=solver)
     # the root u of what is apart is smooth: 2 u u' = -p' - 1e4 u
     apart = solve_ivp(
@@ -147,12 +155,12 @@ def test_valve_that_begins_where_pressures_are_equal(law: str, solver: str) -> N
         (1e-9, 0.018),
         [math.sqrt(1e-9 * 4e6)],
         method="LSODA",
-        rtol=1e-9,
-        atol=1e-7,
+        rtol=1e-11,
+        atol=1e-9,
         dense_output=True,
     )
     for t in (0.001, 0.004, 0.01, 0.015):
-        assert run["V.e"].at(t) == pytest.approx(apart.sol(t)[0] ** 2, rel=1e-4)
+        assert run["V.e"].at(t) == pytest.approx(apart.sol(t)[0] ** 2, abs=0.2)
     assert run.audit().holds()
 
 

@@ -75,7 +75,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             undetermined, leakage, lasting    what is free of a mode, and of laws, and what of it
                             lasts; least leakage
         digits/
-            sizes, solved_sizes, lesser_sizes    what its rounding is measured by
+            sizes, solved_sizes, chords, lesser_sizes    what its rounding is measured by
             connected, part_energies, reach    parts of the graph; how much energy there has been
                             on each; what would have an energy
             clusters, cluster_records    what settles within a moment, and what holds it

@@ -207,20 +207,8 @@ def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:
 
 
 def is_within_error(e: Engine, r: Run) -> bool:
-    """Whether what is left of the way to rest is less than the error of a step.
-
-    Rounding of rates counts for nothing here: where a root began, at the edge of its law, it was
-    beyond all bounds, and a flow that has only just begun would be put at rest far beyond that.
-    """
-    m = e.model
-    copy_floats(m.storages, e.rounding, e.work.reach)
-    copy_floats(m.storages, e.moved_rounding, e.step.allowed)
-    for i in range(m.storages):
-        e.rounding[i] = 0.0
-        e.moved_rounding[i] = 0.0
+    """Whether what is left of the way to rest is less than the error of a step."""
     widest_tolerance(e, e.y, r.beside)
-    copy_floats(m.storages, e.work.reach, e.rounding)
-    copy_floats(m.storages, e.step.allowed, e.moved_rounding)
     for i in range(e.states):
         if not math.fabs(r.after[i] - e.y[i]) <= r.beside[i]:
             return False

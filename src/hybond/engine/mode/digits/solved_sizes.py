@@ -16,6 +16,7 @@ from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
+from hybond.engine.mode.digits.chords import bound_by_chords
 from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton_step import CLEAR_PIVOT, least_pivot
 from hybond.engine.mode.nonlinear.newton_system import rows_of_system, write_bonds
@@ -78,6 +79,7 @@ def by_residuals(e: Engine, mode: Mode, xi: Floats, v: Floats) -> None:
     rows = rows_of_system(e, mode, v, mode.sized_at)
     if rows != frees or not all_finite(rows * frees, work.jacobian.at):
         return
+    bound_by_chords(e, mode, v)
     for i in range(rows):
         d = mode.dynamic[i] if mode.rank == mode.structures else -1
         if d >= 0:
