@@ -156,6 +156,10 @@ def is_kink_alone(e: Engine, g: Locator) -> bool:
 
 def before_kink(e: Engine, g: Locator, at: float) -> float:
     """Return an instant at which none of the kinks that end the step there is passed."""
+    for k in range(g.guards):
+        ends = g.side[k] != NO_KINK
+        ends = ends and holds_at(e, g, k, at)
+        g.done[k] = 1 if ends else 0
     reach = LAST_PLACES * spacing(at)
     before = at
     here = False
@@ -164,9 +168,9 @@ def before_kink(e: Engine, g: Locator, at: float) -> float:
         reach = 2.0 * reach
         here = True
         for k in range(g.guards):
-            if g.side[k] != NO_KINK and holds_at(e, g, k, at):
+            if here and g.done[k] != 0:
                 there = atom_at(e, g, g.atom_first[k], before)
-                here = here and float(g.side[k]) * there > 0.0
+                here = float(g.side[k]) * there > 0.0
     return before
 
 
