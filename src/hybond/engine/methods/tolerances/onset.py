@@ -31,7 +31,7 @@ AGREE: Final = 1e3
 """How many times as large as by one way a state may be by another."""
 TRIES: Final = 4
 CHAIN: Final = 2
-"""Storages at the least, of which one moves another."""
+"""States at the least, of which one moves another: filters in a row are signals."""
 AT_ONCE: Final = 1e-6
 """Part of the moment in which what begins to move does so."""
 DISTINCT: Final = 0.6180339887498949
@@ -43,11 +43,11 @@ SHORTER: Final = 1.0 / 16.0
 def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
     """Learn what states that have not moved until `t` will be soon; whether there is anything.
 
-    `f` are the rates there. What was learned holds until then. What is stored in one place alone
+    `f` are the rates there. What was learned holds until then. What is one state alone
     stands behind nothing that begins to move, and what leaves an edge has its own measure.
     """
     s = e.step
-    if e.slide.k > 0 or e.model.storages < CHAIN or s.on_edge or t < s.onset_end:
+    if e.slide.k > 0 or e.states < CHAIN or s.on_edge or t < s.onset_end:
         return False
     soon = SHORT * e.span
     if e.next_break < math.inf:
