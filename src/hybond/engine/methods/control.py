@@ -221,7 +221,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
             ask_rates(e, s.t0, h, s.y0, s.f0)
         if s.rejected == 1 and math.isfinite(error) and h < CREEPS * e.span and e.slide.k == 0:
             measure_again(e, e.mode)
-        short = h < CREEPS * e.span and not is_propagated(e)
+        short = h < CREEPS * e.span
         seen = short and foresee_onset(e, e.mode, s.t0, s.y0, s.f0)
         factor = SAFETY * math.pow(error, -EXPONENT) if math.isfinite(error) else SHRINK
         smaller = h * max(factor, SHRINK)
@@ -258,7 +258,7 @@ def controlled_retry(e: Engine, t_end: float) -> int:
     s = e.step
     s.tried = t_end - s.t0
     error = attempt(e, t_end)
-    if error > 1.0 and t_end - s.t0 < CREEPS * e.span and not is_propagated(e):
+    if error > 1.0 and t_end - s.t0 < CREEPS * e.span:
         if foresee_onset(e, e.mode, s.t0, s.y0, s.f0):
             error = attempt(e, t_end)
     if error <= 1.0 and not is_propagated(e):

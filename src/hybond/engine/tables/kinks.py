@@ -52,12 +52,13 @@ def put_kinks(t: ModelTables) -> None:
     found: dict[Expr, int] = {}
     switches: dict[Expr, set[int]] = {}
     said: dict[Expr, list[Expr]] = {}
+    heard = _heard(t)
     for e, node in _followed(t):
         turns = [a for a in turning(e) if moves(a) and not uses_pre(a) and not _is_led_on(t, a)]
         for a in turns if len(turns) <= MOST else []:
             found.setdefault(a, node)
             said.setdefault(a, []).append(e)
-            switches.setdefault(a, set()).add(_switch_of(t.graph, node))
+            switches.setdefault(a, set()).add(_switch_of(t.graph, node, heard))
     left = _left_at(t)
     for a, node in left:
         found.setdefault(a, node)
@@ -66,7 +67,7 @@ def put_kinks(t: ModelTables) -> None:
     for read, _, node in flat:
         if simplify(Neg(read)) not in found:
             found.setdefault(read, node)
-            switches.setdefault(read, set()).add(_switch_of(t.graph, node))
+            switches.setdefault(read, set()).add(_switch_of(t.graph, node, heard))
     more = _put_surface_jumps(t, found)
     t.numbers["kinks"] = len(found)
     t.ints["jumping_gap"] = sorted({list(found).index(a) for a, _ in left})
@@ -265,11 +266,27 @@ def _followed(t: ModelTables) -> list[tuple[Expr, int]]:
     return [(e, k) for e, k in asked if k >= 0 and t.graph.nodes[k].kind in ("Se", "Sf")]
 
 
-def _switch_of(graph: FlatGraph, node: int) -> int:
-    """Return which switch cuts an element with one bond off, as a place among them; -1: none."""
+def _heard(t: ModelTables) -> dict[str, set[int]]:
+    """Return who reads each name: elements, and -1 for rates of signals and what guards compare."""
+    heard: dict[str, set[int]] = {}
+    guards = ((t.values.all[k], -1) for k in t.ints["atom_value"])
+    for e, node in (*_asked(t), *guards):
+        for name in names(e):
+            heard.setdefault(name, set()).add(node)
+    return heard
+
+
+def _switch_of(graph: FlatGraph, node: int, heard: dict[str, set[int]]) -> int:
+    """Return which switch cuts an element with one bond off, as a place among them; -1: none.
+
+    What others read of its bond is there while it is cut off, too: the value of a source, at least.
+    """
     if node < 0 or len(graph.nodes[node].ends) != 1:
         return -1
-    bond = graph.bonds[graph.nodes[node].ends[0].bond]
+    at = graph.nodes[node].ends[0].bond
+    if (heard.get(f"e:{at}", set()) | heard.get(f"f:{at}", set())) - {node}:
+        return -1
+    bond = graph.bonds[at]
     controlled = [n.index for n in graph.nodes if n.controlled]
     for place in (node, bond.tail, bond.head):
         if place in controlled:

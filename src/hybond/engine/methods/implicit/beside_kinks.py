@@ -61,13 +61,16 @@ def go_behind(e: Engine, r: Radau, rtol: float) -> bool:
 
     Where the moment later is has just been seen, in `r.stage`. Where laws have no values there, or
     what settles within the moment would be led farther than differences reach, they are made where
-    the step begins. Tolerances there are in `r.other`.
+    the step begins; a signal that begins there has no size yet to tell. Tolerances there are in
+    `r.other`.
     """
     m = e.model
     n = r.n
     for i in range(n):
         size = max(math.fabs(r.y0[i]), r.other[i] / rtol)
-        if math.fabs(r.stage[i] - r.y0[i]) > math.sqrt(EPSILON) * size:
+        moved = math.fabs(r.stage[i] - r.y0[i])
+        begins = i >= e.model.storages and math.fabs(r.y0[i]) <= moved
+        if moved > math.sqrt(EPSILON) * size and not begins:
             return False
     if not show_motion(e, r.t0, r.y0):
         return False

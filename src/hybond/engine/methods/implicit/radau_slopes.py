@@ -27,6 +27,7 @@ from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import FRESH_MATRIX, rate_at
 from hybond.engine.methods.linear.graded import fast_from
 from hybond.engine.methods.tolerances.scale import (
+    FAINT,
     ROUNDED,
     SHORT,
     know_settling,
@@ -50,6 +51,10 @@ NEAREST_GROWS: Final = 64.0
 """... how much farther it is shifted next, ..."""
 CLEARLY: Final = 1e-7
 """... and the part of rates by which they are to differ."""
+NOTHING: Final = 10.0 * FAINT
+"""A state that is no larger than that, in SI, is nothing yet; ..."""
+LAST_PLACES: Final = 4.0 * EPSILON
+"""... then rates that differ by no more than this part of themselves do not hang on it."""
 DIGITS_LEFT: Final = 1e4 * EPSILON
 """Part of a state that its tolerance is at least where a law that holds it asks for less."""
 
@@ -131,6 +136,9 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
     for j in range(n):
         if r.together[j] == 0:
             take_alone(e, r, j, one_side, closely)
+    for j in range(n):
+        if r.delta[j] != 0.0 and r.made_for[j] <= NOTHING:
+            leave_out_rounding(r, j)
     if behind:
         come_back(r)
     know_settling(e, r.jacobian)
@@ -146,8 +154,9 @@ def way_of_shift(e: Engine, r: Radau, j: int, rtol: float) -> float:
     if size == 0.0 and j < e.model.storages:
         # at rest: as far as rates move it in a moment; a unit may be far beyond what laws see
         size = e.rounding[j] / ROUNDED
-    if size == 0.0 and j >= e.model.storages:
-        size = SHORT * e.span * math.fabs(r.f0[j])
+    if j >= e.model.storages:
+        # as large as it is in a moment: what has just begun is next to nothing beside that
+        size = max(size, SHORT * e.span * math.fabs(r.f0[j]))
     if j < e.model.storages:
         size = within_bent(e, j, r.y0, size)
     r.made_for[j] = size
@@ -184,6 +193,17 @@ def take_alone(e: Engine, r: Radau, j: int, one_side: bool, closely: bool) -> No
             rest = sum_rest(r.end[i], -r.f0[i], change) + (e.rate_rest[i] - r.f0_rest[i])
         put_slope(r, i * n + j, change, rest, width, closely)
     r.shifted[j] = r.y0[j]
+
+
+def leave_out_rounding(r: Radau, j: int) -> None:
+    """Take slopes by a state that is nothing yet for none where rates differ by their rounding.
+
+    Over a difference that is next to nothing the last place of a rate is a slope beyond all bounds.
+    """
+    n = r.n
+    for i in range(n):
+        if math.fabs(r.jacobian[i * n + j] * r.delta[j]) <= LAST_PLACES * math.fabs(r.f0[i]):
+            r.jacobian[i * n + j] = 0.0
 
 
 def only_shown(e: Engine, j: int) -> bool:

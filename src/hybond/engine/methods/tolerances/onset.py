@@ -31,7 +31,7 @@ AGREE: Final = 1e3
 """How many times as large as by one way a state may be by another."""
 TRIES: Final = 4
 CHAIN: Final = 2
-"""Storages at the least, of which one moves another."""
+"""States at the least, of which one moves another: filters in a row are signals."""
 AT_ONCE: Final = 1e-6
 """Part of the moment in which what begins to move does so."""
 DISTINCT: Final = 0.6180339887498949
@@ -43,26 +43,22 @@ SHORTER: Final = 1.0 / 16.0
 def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool:
     """Learn what states that have not moved until `t` will be soon; whether there is anything.
 
-    `f` are the rates there. What was learned holds until then. What is stored in one place alone
+    `f` are the rates there. What was learned holds until then. What is one state alone
     stands behind nothing that begins to move, and what leaves an edge has its own measure.
     """
     s = e.step
-    if e.slide.k > 0 or e.model.storages < CHAIN or s.on_edge or t < s.onset_end:
+    if e.slide.k > 0 or e.states < CHAIN or s.on_edge or t < s.onset_end:
         return False
     soon = SHORT * e.span
     if e.next_break < math.inf:
         soon = min(soon, 0.5 * (e.next_break - t))
     s.onset_end = t + soon
-    young = False
-    for k in range(e.states):
-        s.onset[k] = -1.0
-        if max(e.largest_state[k], math.fabs(y[k])) <= soon * math.fabs(f[k]):
-            s.onset[k] = 0.0
-            young = True
-    if not young:
-        return False
     refusal = e.refusal
     hold_guess(e, mode)
+    if not some_young(e, mode, t, y, f, soon):
+        give_back_guess(e, mode)
+        e.refusal = refusal
+        return False
     s.onset_end = -math.inf
     tolerance(e, y, y, s.began_at)
     s.onset_end = t + soon
@@ -87,6 +83,33 @@ def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool
     for k in range(e.states):
         s.onset[k] = s.onset[k] if found else 0.0
     return found
+
+
+def some_young(e: Engine, mode: Mode, t: float, y: Floats, f: Floats, soon: float) -> bool:
+    """Note which states have not moved, in ``e.step.onset``; whether one stands behind others.
+
+    A signal that has a rate, or has one by time alone, begins with that and is measured by itself.
+    """
+    m = e.model
+    s = e.step
+    young = False
+    behind = 0
+    for k in range(e.states):
+        s.onset[k] = -1.0
+        old = max(e.largest_state[k], math.fabs(y[k])) > soon * math.fabs(f[k])
+        if not old and (k < m.storages or f[k] == 0.0):
+            s.onset[k] = 0.0
+            young = True
+            behind += 1 if k >= m.storages else 0
+    if behind > 0:
+        for way in range(2):
+            at = t + (soon if way == 0 else AT_ONCE * soon)
+            known = field(e, mode, at, y, s.rate) == OK
+            for k in range(m.storages, e.states):
+                if s.onset[k] == 0.0 and not (known and s.rate[k] == 0.0):
+                    s.onset[k] = -1.0
+                    behind -= 1
+    return young and (m.storages >= CHAIN or behind > 0)
 
 
 def pass_moment(e: Engine, mode: Mode, t: float, soon: float) -> bool:
