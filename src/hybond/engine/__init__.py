@@ -178,6 +178,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         limits_crossed      what has come to one, waits there, and is asked again
         rests_asked         what rests where time, or a crossing beside it, asks for it
         naps, blurred       kinks that end no steps for a while; roots that a step does not tell
+        moved_off           kinks that a motion begins at, and stays
         waiting             rules whose guards are on their way off their thresholds
         noise               whether samples are rough between neighbours
         together, within_rounding    what is one instant with it; as rounding cannot tell

@@ -42,6 +42,7 @@ from hybond.engine.guards.locator import (
     begin_looks,
     has_failed,
 )
+from hybond.engine.guards.moved_off import moves_off
 from hybond.engine.guards.rests_asked import see_rests_beside
 from hybond.engine.guards.sides_seen import note_sides
 from hybond.engine.guards.solved_guards import solve_guards
@@ -146,8 +147,11 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
         if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] != 0:
                 continue  # not passed yet
-            here = atom_at(e, g, a, e.step.t0 + SOON * (e.step.t1 - e.step.t0))
+            soon = SOON * (e.step.t1 - e.step.t0)
+            here = atom_at(e, g, a, e.step.t0 + soon)
             if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
+                here = 0.0
+            elif not moves_off(e, g, k, soon):
                 here = 0.0
         g.side[k] = 1 if here > 0.0 else -1 if here < 0.0 else 0
 

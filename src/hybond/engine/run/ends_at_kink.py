@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
+from hybond.engine.guards.guard_values import look_at_state
 from hybond.engine.guards.together import LAST_PLACES, kink_there
 from hybond.engine.instant.instant import GUARD, LAW
 from hybond.engine.laws.gaps_left import (
@@ -19,7 +20,7 @@ from hybond.engine.laws.gaps_left import (
 from hybond.engine.methods.control import GROW
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
-from hybond.engine.methods.stepping import between, start
+from hybond.engine.methods.stepping import between, by_radau, start
 from hybond.engine.methods.tolerances.scale import is_unmoved, start_scale
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.run.guard_at_kink import (
@@ -31,6 +32,7 @@ from hybond.engine.run.held_by_kinks import compared
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
+    has_passed,
     is_crowded,
     is_in_vain,
     stuck_at_kink,
@@ -74,10 +76,32 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     if vain:
         r.jumps = False
         r.leads_back = False
+    short = e.step.t1 - e.step.t0
+    missed = short > room_of_instant(e, e.step.t1) and not (by_radau(e) or reaches_kink(e, r))
     found = leave_or_go(e, r, at)
     if found == ANEW and vain:
         e.step.h = min(e.step.h, SHORTER * tried)
+    if found == ANEW and missed:
+        e.step.h = min(e.step.h, GROW * short)
     return found
+
+
+def reaches_kink(e: Engine, r: Run) -> bool:
+    """Whether the step that was to end at a kink has come to it.
+
+    As a valve closes its flow is a root of what is left: a step that is long beside that knows of
+    the way there by its first stage alone, which the estimate of its error hardly sees. One that
+    ends where the long one had the kink does not get there; the next is no longer than the way is.
+    """
+    g = r.locator
+    refusal = e.refusal
+    hold_guess(e, e.mode)
+    look_at_state(e, g, e.step.t1, e.step.y1)
+    passed = has_passed(e, g)
+    give_back_guess(e, e.mode)
+    g.looked = math.nan
+    e.refusal = refusal
+    return passed
 
 
 def leave_or_go(e: Engine, r: Run, at: float) -> int:

@@ -32,7 +32,7 @@ from hybond.model.expressions import (
     turning,
     uses_pre,
 )
-from hybond.model.expressions.kinks import leaping
+from hybond.model.expressions.kinks import clipped, leaping
 from hybond.model.expressions.level_sides import joins
 from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
@@ -234,10 +234,12 @@ def _sides_of_roots(t: ModelTables) -> dict[Expr, Expr]:
 
     A valve by ISO 6358 compares two pressures, and takes the root of a sum of their ratio which is
     zero where they are equal: it may come to rest there. Whether it does is seen as it gets there.
+    So may a tank whose outlet takes the root of a head that is cut off at the bottom.
     """
     if t.numbers["method"] not in FOLLOWED:
         return {}
-    return {simplify(a): a for e, _ in _followed(t) if rooted(e) for a in leaping(e)}
+    rows = [(*leaping(e), *clipped(e)) for e, _ in _followed(t) if rooted(e)]
+    return {simplify(a): a for row in rows for a in row}
 
 
 def _is_timed(t: ModelTables, jumping: Expr) -> bool:

@@ -159,6 +159,30 @@ def rooted(e: Expr) -> list[Expr]:
     return [e for e in dict.fromkeys(found) if names(e)]
 
 
+def clipped(e: Expr) -> list[Expr]:
+    """Return those of `turning` at which a limit ends that a root is taken of.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> [str(a) for a in clipped(parse("k*sqrt(max(q, 0)/2) + max(p, 1)"))]
+    ['q - 0']
+    """
+    found: list[Expr] = []
+    for part, _ in walk(e):
+        match part:
+            case Call(function="sqrt"):
+                under = part.args[0]
+            case Binary("^", left, Number(value)) if _may_be_a_root(value) and value < 1.0:
+                under = left
+            case _:
+                continue
+        for p, _ in walk(under):
+            if isinstance(p, Call) and p.function in ("min", "max"):
+                found += [Binary("-", a, b) for a, b in combinations(p.args, 2)]
+    return [e for e in dict.fromkeys(found) if names(e)]
+
+
 def meets(e: Expr, turn: Expr) -> bool:
     """Whether an expression has one value on both sides of where a name is zero, by its form.
 
