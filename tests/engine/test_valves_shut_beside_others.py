@@ -42,7 +42,7 @@ def beside_a_shut_valve(valve: str, turned: bool, first: bool) -> hb.Model:
 
 
 def apart_at(t: float) -> float:
-    """Return the pressure at the orifice: its root u is smooth, 2 u u' = pumped/LARGE - u K/both."""
+    """Return the pressure at the orifice, of a smooth root u: 2 u u' = pumped/LARGE - u K/both."""
     both = SMALL * LARGE / (SMALL + LARGE)
 
     # what passes is what fills the second volume as fast; how it settles is over in microseconds

@@ -205,7 +205,7 @@ def count_kink(e: Engine, r: Run) -> int:
 
 
 def all_go_on(m: Model) -> bool:
-    """Whether laws have values beyond all edges, as where a valve shuts: steps may lead over them."""
+    """Whether laws have values beyond all edges, as where a valve shuts: steps may pass them."""
     on = True
     for k in range(m.edges):
         on = on and m.edge_met[k] != 0

@@ -151,7 +151,7 @@ def put_kinks(t: ModelTables) -> None:
 
 
 def _unclamped(a: Expr) -> Expr:
-    """Return what ``max(0, x)`` is of, which is below zero where that is nothing: a valve is shut."""
+    """Return what ``max(0, x)`` is of: below zero where a valve is shut."""
     match a:
         case Call("max", (Number(0.0), x)) | Call("max", (x, Number(0.0))):
             return x

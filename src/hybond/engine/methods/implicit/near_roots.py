@@ -23,7 +23,7 @@ from hybond.engine.words import Floats
 NEAR: Final = 2.0**-20
 """Part of its terms that a root's argument is at most where usual differences may be too long."""
 PART: Final = 2.0**-6
-"""Part of the argument by which a difference shifts it: there a root is straight within 0.4 %, ..."""
+"""Part of the argument by which a difference shifts it: there a root is straight in 0.4 %, ..."""
 ROUNDED: Final = 64.0 * EPSILON
 """... and part of its terms that it is shifted by at least: what rounding says is less."""
 
@@ -71,7 +71,7 @@ def some_near(e: Engine, r: Radau) -> bool:
 
 
 def is_near(roots: Floats, many: int, k: int) -> bool:
-    """Whether the argument of a root is next to nothing, as a part of its terms, but not nothing."""
+    """Whether the argument of a root is next to nothing beside its terms, but not nothing."""
     here = math.fabs(roots[k])
     return here > 0.0 and here < NEAR * roots[many + k]
 
