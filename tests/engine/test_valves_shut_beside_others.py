@@ -46,9 +46,10 @@ def apart_at(t: float) -> float:
     both = SMALL * LARGE / (SMALL + LARGE)
 
     # what passes is what fills the second volume as fast; how it settles is over in microseconds
-    def rate(at: float, u: np.ndarray) -> np.ndarray:
+    def rate(at: float, y: np.ndarray) -> list[float]:
+        u = float(y[0])
         drives = PUMPED * math.sin(W * at) / LARGE - K / both * u
-        return drives * np.abs(u) / (2.0 * (u * u + 1e-12))
+        return [drives * abs(u) / (2.0 * (u * u + 1e-12))]
 
     passes = PUMPED * SMALL / (SMALL + LARGE)
     begin = 0.1 / W
