@@ -126,7 +126,7 @@ def put_kinks(t: ModelTables) -> None:
     written = {*edges, *(a for a in ordered if moves(a) and not uses_pre(a))}
     t.numbers["rooted"] = len(written)
     t.numbers["begins"] = len(begins)
-    t.ints["edge_value"] = [t.values.number(a) for a in (*begins, *map(_unclamped, begins))]
+    t.ints["edge_value"] = [t.values.number(a) for a in begins]
     met = {_unscaled(a) for a, k in zip(found, t.ints["kink_meets"], strict=False) if k}
     decide = {_unscaled(a) for a in found}
     t.ints["edge_met"] = [
@@ -148,14 +148,6 @@ def put_kinks(t: ModelTables) -> None:
     ]
     t.numbers["level_pairs"] = len(pairs)
     t.ints["level_pair"] = [k for pair in pairs for k in pair]
-
-
-def _unclamped(a: Expr) -> Expr:
-    """Return what ``max(0, x)`` is of: below zero where a valve is shut."""
-    match a:
-        case Call("max", (Number(0.0), x)) | Call("max", (x, Number(0.0))):
-            return x
-    return a
 
 
 def _put_surface_jumps(t: ModelTables, found: dict[Expr, int]) -> list[Expr]:

@@ -96,10 +96,7 @@ def may_turn(e: Engine) -> bool:
 
 
 def see_edges(e: Engine, t: float, y: Floats) -> None:
-    """See whether a motion begins on an edge, and how far it is from each.
-
-    A valve ``sqrt(max(0, e))`` that is shut is as far as from where it opens, and not on its edge.
-    """
+    """See whether a motion begins on an edge, and how far it is from each."""
     m = e.model
     s = e.step
     s.on_edge = False
@@ -107,8 +104,6 @@ def see_edges(e: Engine, t: float, y: Floats) -> None:
         return
     for k in range(m.begins):
         s.edge[k] = value(m, m.edge_value[k], e.v)
-        if s.edge[k] == 0.0:
-            s.edge[k] = min(value(m, m.edge_value[m.begins + k], e.v), 0.0)
         bond = m.begin_bond[k]
         if k >= m.rooted and bond >= 0 and not is_given(e.mode, bond):
             s.edge[k] = math.inf  # a power that no law is solved for is no root
