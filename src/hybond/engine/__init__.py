@@ -130,7 +130,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         implicit/
             radau, radau_stages, radau_slopes, radau_dense, radau_method, radau_room    implicit
                             steps
-            nearer_slopes, radau_factors    slopes over shorter differences; what is solved for
+            nearer_slopes, near_roots, radau_factors    slopes over shorter differences, or beside
+                            roots; what is solved for
             rates_in_stages    what errors leave in rates at their stages
             columns_together    slopes by many states at once
             hidden_peaks    what laws that bend do within a step, and nowhere it has looked

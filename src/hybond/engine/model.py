@@ -424,7 +424,7 @@ class Model:
     edges: int  # what is nowhere negative: beyond, a root in a law has no value
     begins: int  # these, and behind them what roots are taken of on both sides
     rooted: int  # so many of these by roots that are written; others: powers, roots if turned
-    edge_met: Ints  # whether one of these is where a kink is a root from both sides
+    edge_met: Ints  # 1: where a kink is a root from both sides; 2: a branch takes no root beyond
     begin_bond: Ints  # the bond variable that each of these is; -1: none
     edge_value: Ints
     edge_size: Ints  # what the magnitudes of its terms add up to

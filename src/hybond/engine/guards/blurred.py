@@ -115,7 +115,7 @@ def find_blurred(e: Engine, g: Locator, at: float) -> bool:
                 blur[k] += off if off < math.inf else 0.0
         g.shifted_y[i] = s.y0[i]
     for k in range(m.edges):
-        if m.edge_met[k] == 0 and not math.fabs(here[m.kinks + k]) > blur[m.kinks + k]:
+        if m.edge_met[k] != 1 and not math.fabs(here[m.kinks + k]) > blur[m.kinks + k]:
             return False
     return note_blurred(e, g, at)
 

@@ -20,6 +20,7 @@ from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, by_radau, reach, retry
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
+from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
@@ -182,7 +183,7 @@ def count_kink(e: Engine, r: Run) -> int:
         r.nap = min(2 * r.nap, LONGEST_NAP)
         return OK
     first = r.kink_at[(r.kinks - 1 - DENSE) % (IDLE + 1)] if r.kinks > DENSE else -math.inf
-    if r.dense >= DENSE and e.model.edges == 0 and e.t - first <= SOON_BACK * e.span:
+    if r.dense >= DENSE and all_go_on(e.model) and e.t - first <= SOON_BACK * e.span:
         if is_held(e, r):
             return switches_back(e, r)
         r.locator.asleep = r.lull
@@ -201,6 +202,14 @@ def count_kink(e: Engine, r: Run) -> int:
     r.hold_due = r.kinks + r.hold_waits
     r.hold_waits = min(2 * r.hold_waits, LONGEST_WAIT)
     return switches_back(e, r) if is_held(e, r) else OK
+
+
+def all_go_on(m: Model) -> bool:
+    """Whether laws have values beyond all edges, as where a valve shuts: steps may pass them."""
+    on = True
+    for k in range(m.edges):
+        on = on and m.edge_met[k] != 0
+    return on
 
 
 def is_crowded(e: Engine, r: Run) -> bool:

@@ -129,7 +129,10 @@ def put_kinks(t: ModelTables) -> None:
     t.numbers["begins"] = len(begins)
     t.ints["edge_value"] = [t.values.number(a) for a in begins]
     met = {_unscaled(a) for a, k in zip(found, t.ints["kink_meets"], strict=False) if k}
-    t.ints["edge_met"] = [int(_unscaled(a) in met) for a in begins]
+    decide = {_unscaled(a) for a in found}
+    t.ints["edge_met"] = [
+        1 if _unscaled(a) in met else 2 if _unscaled(a) in decide else 0 for a in begins
+    ]
     t.ints["edge_size"] = [t.values.number(magnitude(a)) for a in begins]
     bonds = range(t.slots.w.start, t.slots.w.start + 2 * len(t.graph.bonds))
     places = [t.slots.index[a.path] if isinstance(a, Name) else -1 for a in begins]

@@ -130,6 +130,9 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
         s.left_edge = True
         s.calm = 0
         return STAGES_CONVERGED
+    if served and stuck and not is_beside_edge(e, r):
+        # one matrix was slow, and nothing ends near by: the stages are found
+        return STAGES_CONVERGED
     # slopes of what was tried serve no step after this
     r.matrix = NO_MATRIX
     if swings and not led:
@@ -142,7 +145,10 @@ def iterate_beside_edge(e: Engine, r: Radau, rtol: float) -> int:
 
 
 def rises(e: Engine, r: Radau) -> bool:
-    """Whether a step leads away from all edges: what runs into one ends there by shorter steps."""
+    """Whether a step leads away from all edges: what runs into one ends there by shorter steps.
+
+    A valve that is shut all the time is at none.
+    """
     m = e.model
     s = e.step
     n = r.n
@@ -154,7 +160,8 @@ def rises(e: Engine, r: Radau) -> bool:
     if evaluate(e, e.mode, e.v, r.t1, r.shifted) != OK:
         return False
     for k in range(m.edges):
-        if value(m, m.edge_value[k], e.v) < s.edge_there[k]:
+        there = value(m, m.edge_value[k], e.v)
+        if there < s.edge_there[k] and not (there < 0.0 and s.edge_there[k] < 0.0):
             return False
     return True
 

@@ -156,6 +156,7 @@ class Radau:
     left_over: Block
     kept: Block
     next_one: Block
+    roots: Block  # what roots are taken of where the step begins, and the sizes of its terms
     blamed: int
     """What is to blame if the step tried is too long: see RATE_BLAMED and the like."""
 
@@ -264,6 +265,7 @@ def make_radau(n: int) -> Radau:
     r.left_over = make_block(1)
     r.kept = make_block(1)
     r.next_one = make_block(1)
+    r.roots = make_block(1)
     r.start_y = floats(n)
     r.start_f = floats(n)
     r.again_polynomial = floats(3 * n)

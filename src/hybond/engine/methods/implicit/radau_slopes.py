@@ -23,6 +23,7 @@ from hybond.engine.methods.implicit.beside_kinks import (
     stay_on_side,
 )
 from hybond.engine.methods.implicit.columns_together import put_slope, take_together
+from hybond.engine.methods.implicit.near_roots import shorten_near_roots
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_stages import FRESH_MATRIX, rate_at
 from hybond.engine.methods.linear.graded import fast_from
@@ -129,6 +130,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
         r.shifted[i] = r.y0[i]
     for j in range(n):
         r.delta[j] = way_of_shift(e, r, j, rtol)
+    shorten_near_roots(e, r)
     for j in range(n):
         r.together[j] = 0
     if e.model.bends == 0.0:

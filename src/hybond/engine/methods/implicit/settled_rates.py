@@ -100,7 +100,10 @@ def take_apart(e: Engine, r: Radau) -> None:
 
 
 def is_beside_edge(e: Engine, r: Radau) -> bool:
-    """Whether a step comes much nearer to where a law ends, or from there: both have their ways."""
+    """Whether a step comes much nearer to where a law ends, or from there: both have their ways.
+
+    What is beyond an edge at both ends has values there: a valve that is shut takes no root.
+    """
     m = e.model
     s = e.step
     if m.edges == 0:
@@ -114,6 +117,8 @@ def is_beside_edge(e: Engine, r: Radau) -> bool:
         return True
     for k in range(m.edges):
         there = value(m, m.edge_value[k], e.v)
+        if there < 0.0 and s.edge_there[k] < 0.0:
+            continue
         if min(there, s.edge_there[k]) < NEARER_EDGE * max(there, s.edge_there[k]):
             return True
     return False
