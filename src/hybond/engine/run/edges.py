@@ -13,6 +13,7 @@ from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.one_instant import room_of_instant
+from hybond.engine.methods.tolerances.scale import widest_tolerance
 from hybond.engine.mode.digits.sizes import sizes_of
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import evaluate, field
@@ -48,6 +49,7 @@ def reach_edges(e: Engine, r: Run) -> bool:
     for k in range(e.model.edges):
         reached = reach_edge(e, r, k, room) or reached
     reached = vanish(e, r) or reached
+    reached = reached or stop_within_error(e, r)
     e.refusal = refusal and not reached
     return reached
 
@@ -96,6 +98,37 @@ def vanish(e: Engine, r: Run) -> bool:
     for i in range(n if changed else 0):
         e.y[i] = r.beside[i]
     return changed
+
+
+def stop_within_error(e: Engine, r: Run) -> bool:
+    """Let nothing be left of what is no more than the error of a step, if it stays so on an edge.
+
+    Two tanks run empty together, and a step has left the upper one below nothing: it would be
+    filled from below, where there is nothing to give.
+    """
+    m = e.model
+    n = e.states
+    widest_tolerance(e, e.y, r.beside)
+    on = False
+    for k in range(m.edges):
+        r.edge_left[k] = way_to(e, k, e.y)
+    for i in range(n):
+        stops = i < m.storages and math.fabs(e.y[i]) <= r.beside[i]
+        r.beside[i] = 0.0 if stops else e.y[i]
+        r.beside[n + i] = 1.0 if stops and e.y[i] != 0.0 else 0.0
+    for k in range(m.edges):
+        there = way_to(e, k, r.beside)
+        if not there >= 0.0:
+            return False
+        on = on or (there == 0.0 and r.edge_left[k] != 0.0)
+    if not on or field(e, e.mode, e.t, r.beside, r.rate) != OK:
+        return False
+    for i in range(n):
+        if r.beside[n + i] != 0.0 and r.rate[i] != 0.0:
+            return False
+    for i in range(n):
+        e.y[i] = r.beside[i]
+    return True
 
 
 def reach_edge(e: Engine, r: Run, k: int, room: float) -> bool:

@@ -142,6 +142,7 @@ class Run:
     edge_t: float
     """When the last of them was, s."""
     edge_from: Floats
+    edge_left: Floats
     """The state from which it went there, and in which time, s."""
     edge_time: float
     taken: int
@@ -188,6 +189,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.edge_at = -1.0
     r.edge_t = -math.inf
     r.edge_from = floats(e.states)
+    r.edge_left = floats(e.model.edges)
     r.warm_y = floats(e.states)
     r.warm_rounding = floats(e.model.storages)
     r.resumed = -math.inf
