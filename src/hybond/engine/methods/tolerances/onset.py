@@ -44,10 +44,10 @@ def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool
     """Learn what states that have not moved until `t` will be soon; whether there is anything.
 
     `f` are the rates there. What was learned holds until then. What is one state alone
-    stands behind nothing that begins to move, and what leaves an edge has its own measure.
+    stands behind time at the most, and what leaves an edge has its own measure.
     """
     s = e.step
-    if e.slide.k > 0 or e.states < CHAIN or s.on_edge or t < s.onset_end:
+    if e.slide.k > 0 or s.on_edge or t < s.onset_end:
         return False
     soon = SHORT * e.span
     if e.next_break < math.inf:
@@ -71,6 +71,8 @@ def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool
             least *= 0.5 + 0.5 * math.fmod(DISTINCT * float(k + 1), 1.0)
         s.began_at[k] = y[k] + math.copysign(least, f[k])
     found = stirs(e, mode, t, y, f, soon)
+    if not found:
+        s.onset_end = -math.inf  # what begins within the moment is asked again once it has
     for _ in range(TRIES if found else 0):
         if t + soon <= t:
             break
@@ -89,11 +91,14 @@ def some_young(e: Engine, mode: Mode, t: float, y: Floats, f: Floats, soon: floa
     """Note which states have not moved, in ``e.step.onset``; whether one stands behind others.
 
     A signal that has a rate, or has one by time alone, begins with that and is measured by itself.
+    A storage that time alone soon moves much faster has hardly begun: it stands behind a power of
+    time, of which a late time has no digits yet.
     """
     m = e.model
     s = e.step
     young = False
     behind = 0
+    hardly = False
     for k in range(e.states):
         s.onset[k] = -1.0
         old = max(e.largest_state[k], math.fabs(y[k])) > soon * math.fabs(f[k])
@@ -101,15 +106,17 @@ def some_young(e: Engine, mode: Mode, t: float, y: Floats, f: Floats, soon: floa
             s.onset[k] = 0.0
             young = True
             behind += 1 if k >= m.storages else 0
-    if behind > 0:
-        for way in range(2):
-            at = t + (soon if way == 0 else AT_ONCE * soon)
-            known = field(e, mode, at, y, s.rate) == OK
-            for k in range(m.storages, e.states):
-                if s.onset[k] == 0.0 and not (known and s.rate[k] == 0.0):
-                    s.onset[k] = -1.0
-                    behind -= 1
-    return young and (m.storages >= CHAIN or behind > 0)
+    for way in range(2 if young else 0):
+        at = t + (soon if way == 0 else AT_ONCE * soon)
+        known = field(e, mode, at, y, s.rate) == OK
+        for k in range(m.storages if way == 0 and known else 0):
+            late = s.onset[k] == 0.0 and math.fabs(s.rate[k]) > AGREE * math.fabs(f[k])
+            hardly = hardly or late
+        for k in range(m.storages, e.states):
+            if s.onset[k] == 0.0 and not (known and s.rate[k] == 0.0):
+                s.onset[k] = -1.0
+                behind -= 1
+    return young and (m.storages >= CHAIN or behind > 0 or hardly)
 
 
 def pass_moment(e: Engine, mode: Mode, t: float, soon: float) -> bool:
