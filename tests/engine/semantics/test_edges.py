@@ -56,6 +56,44 @@ def test_tanks_in_a_row_run_empty_together(solver: str) -> None:
     assert [run.final[k] for k in ("a.q", "b.q")] == pytest.approx([0.0, 0.0], abs=1e-18)
 
 
+@pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
+@pytest.mark.parametrize(
+    ("upper", "lower", "filled", "between", "outlet"),
+    [
+        (2.0, 0.5, 0.0, 0.31, 0.06),
+        (0.7, 3.1, 0.4, 0.09, 0.13),
+        (3.6, 1.0, 2.9, 0.45, 0.04),
+        (1.3, 1.9, 2.2, 0.07, 0.27),
+        (0.9, 0.4, 0.0, 0.22, 0.21),
+        (2.4, 3.3, 1.1, 0.38, 0.09),
+    ],
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_two_tanks_run_empty_whatever_their_sizes_are(
+    upper: float,
+    lower: float,
+    filled: float,
+    between: float,
+    outlet: float,
+    turned: bool,
+    solver: str,
+) -> None:
+    """A third of them was refused (HB-N302): the upper one was below nothing, and drew on."""
+    m = hb.Model("row")
+    m.add(a=hb.C(1.0, e=upper), b=hb.C(lower, e=filled), na=hb.Zero(), nb=hb.Zero(), s=hb.One())
+    m.add(p=hb.R({"f": f"{between}*sign(e)*sqrt(abs(e))"}), o=hb.R({"f": f"{outlet}*sqrt(e)"}))
+    way = "nb -> s -> na" if turned else "na -> s -> nb"
+    m.bond(way, "na -> a", "s -> p", "nb -> b", "nb -> o")
+    m.signal(out=hb.Integral("o.f"))
+    run = hb.simulate(m, 400.0, solver=solver)
+    there = upper + lower * filled
+    for t in (1.0, 10.0, 30.0, 100.0, 400.0):
+        left = run["a.q"].at(t) + run["b.q"].at(t)
+        assert left + run["out"].at(t) == pytest.approx(there, rel=1e-6)
+    assert run.final["a.q"] == 0.0
+    assert run.final["b.q"] == 0.0
+
+
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_an_edge_that_is_not_at_zero(solver: str) -> None:
     """An outlet 0.25 above the ground: the level stays there."""

@@ -90,19 +90,21 @@ def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool
 def some_young(e: Engine, mode: Mode, t: float, y: Floats, f: Floats, soon: float) -> bool:
     """Note which states have not moved, in ``e.step.onset``; whether one stands behind others.
 
-    A signal that has a rate, or has one by time alone, begins with that and is measured by itself.
+    Where there are too few storages for that, a signal that has a rate, or has one by time alone,
+    begins with that and is measured by itself.
     A storage that time alone soon moves much faster has hardly begun: it stands behind a power of
     time, of which a late time has no digits yet.
     """
     m = e.model
     s = e.step
+    few = m.storages < CHAIN
     young = False
     behind = 0
     hardly = False
     for k in range(e.states):
         s.onset[k] = -1.0
         old = max(e.largest_state[k], math.fabs(y[k])) > soon * math.fabs(f[k])
-        if not old and (k < m.storages or f[k] == 0.0):
+        if not old and (not few or k < m.storages or f[k] == 0.0):
             s.onset[k] = 0.0
             young = True
             behind += 1 if k >= m.storages else 0
@@ -112,11 +114,11 @@ def some_young(e: Engine, mode: Mode, t: float, y: Floats, f: Floats, soon: floa
         for k in range(m.storages if way == 0 and known else 0):
             late = s.onset[k] == 0.0 and math.fabs(s.rate[k]) > AGREE * math.fabs(f[k])
             hardly = hardly or late
-        for k in range(m.storages, e.states):
+        for k in range(m.storages if few else e.states, e.states):
             if s.onset[k] == 0.0 and not (known and s.rate[k] == 0.0):
                 s.onset[k] = -1.0
                 behind -= 1
-    return young and (m.storages >= CHAIN or behind > 0 or hardly)
+    return young and (not few or behind > 0 or hardly)
 
 
 def pass_moment(e: Engine, mode: Mode, t: float, soon: float) -> bool:
