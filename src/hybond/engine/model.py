@@ -426,7 +426,7 @@ class Model:
     rooted: int  # so many of these by roots that are written; others: powers, roots if turned
     edge_met: Ints  # 1: where a kink is a root from both sides; 2: a branch takes no root beyond
     begin_bond: Ints  # the bond variable that each of these is; -1: none
-    edge_value: Ints
+    edge_value: Ints  # behind them what is clamped there: below zero where a valve is shut
     edge_size: Ints  # what the magnitudes of its terms add up to
     bends: float  # what arguments of laws are beside a limit on one side alone, at least; 0: none
     edge_bonds: int

@@ -127,7 +127,7 @@ def put_kinks(t: ModelTables) -> None:
     written = {*edges, *(a for a in ordered if moves(a) and not uses_pre(a))}
     t.numbers["rooted"] = len(written)
     t.numbers["begins"] = len(begins)
-    t.ints["edge_value"] = [t.values.number(a) for a in begins]
+    t.ints["edge_value"] = [t.values.number(a) for a in (*begins, *map(_unclamped, begins))]
     met = {_unscaled(a) for a, k in zip(found, t.ints["kink_meets"], strict=False) if k}
     decide = {_unscaled(a) for a in found}
     t.ints["edge_met"] = [
@@ -149,6 +149,19 @@ def put_kinks(t: ModelTables) -> None:
     ]
     t.numbers["level_pairs"] = len(pairs)
     t.ints["level_pair"] = [k for pair in pairs for k in pair]
+
+
+def _unclamped(a: Expr) -> Expr:
+    """Return what ``max(0, x)`` is of, which is below zero where that is nothing: a valve is shut.
+
+    Where that is a pressure, or how much one is above another: what bends may be below zero in a
+    branch that is not taken.
+    """
+    match a:
+        case Call("max", (Number(0.0), x)) | Call("max", (x, Number(0.0))):
+            sides = (x.left, x.right) if isinstance(x, Binary) and x.op == "-" else (x,)
+            return x if all(isinstance(side, Name | Number) for side in sides) else a
+    return a
 
 
 def _put_surface_jumps(t: ModelTables, found: dict[Expr, int]) -> list[Expr]:

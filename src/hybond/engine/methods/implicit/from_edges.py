@@ -77,6 +77,9 @@ DIGITS: Final = 1.4901161193847656e-08
 """Part of a state that it is shifted by for a slope: the root of a unit in the last place."""
 LEVEL: Final = 64.0 * 2.220446049250313e-16
 """What is no farther off an edge, as a part of its terms, is on it."""
+SHUT: Final = 1e-6
+"""Part of its terms by which what is under a root is below zero where a valve is shut: far more than
+steps may be off by."""
 STEEP: Final = 2.0
 """Slope times step beyond which a state is held where it is, and does not follow its rate."""
 CALM: Final = 30
@@ -96,7 +99,11 @@ def may_turn(e: Engine) -> bool:
 
 
 def see_edges(e: Engine, t: float, y: Floats) -> None:
-    """See whether a motion begins on an edge, and how far it is from each."""
+    """See whether a motion begins on an edge, and how far it is from each.
+
+    A valve ``sqrt(max(0, e))`` that is shut, and by more than the error of steps may be, is as far
+    as from where it opens, and not on its edge.
+    """
     m = e.model
     s = e.step
     s.on_edge = False
@@ -105,6 +112,10 @@ def see_edges(e: Engine, t: float, y: Floats) -> None:
     for k in range(m.begins):
         s.edge[k] = value(m, m.edge_value[k], e.v)
         bond = m.begin_bond[k]
+        if s.edge[k] == 0.0:
+            shut = value(m, m.edge_value[m.begins + k], e.v)
+            if shut < 0.0:
+                s.edge[k] = shut if -shut > SHUT * value(m, m.edge_size[k], e.v) else 0.0
         if k >= m.rooted and bond >= 0 and not is_given(e.mode, bond):
             s.edge[k] = math.inf  # a power that no law is solved for is no root
         s.on_edge = s.on_edge or s.edge[k] == 0.0
