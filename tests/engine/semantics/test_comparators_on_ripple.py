@@ -183,5 +183,7 @@ def test_sliding_along_a_rectified_reference(
     for s in pieces:
         at = np.linspace(s.t[0], s.t[-1], 32)[1:-1]
         for name, row, size in (("L.f", 0, 5.0), ("sum", 2, 5.0)):
-            assert np.allclose(run[name].at(list(at)), s.sol(at)[row], rtol=0, atol=1e-6 * size), name
+            assert np.allclose(run[name].at(list(at)), s.sol(at)[row], rtol=0, atol=1e-6 * size), (
+                name
+            )
     assert len(run.events) <= 2 + len(bends)
