@@ -40,8 +40,10 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     read_nothing(m, g.reads)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            leads = e.planar.leading and m.law_planar[k] != 0
-            if leads or m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
+            elsewhere = e.planar.leading and m.law_planar[k] != 0
+            # laws hold in each of the modes combined, not on their average: `watch_slide`
+            elsewhere = elsewhere or (s.k > 0 and m.is_law[k] != 0)
+            if elsewhere or m.rule_watched[r] == 0 or not is_asked(e, k, r, state[k]):
                 continue
             watch_rule(e, g, r, ALL_PARTS)
             read_guard(m, e.mode, g.reads, r)

@@ -28,6 +28,8 @@ from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.surfaces.averages import show_part
+from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats
 
 CARRIES: Final = 1e-12
@@ -40,6 +42,7 @@ BROKEN: Final = 1
 NO_ENTRY: Final = 2
 """A mode that would need an impulse, whose sources contradict each other, or without values."""
 STOPS: Final = 3
+NO_PART: Final = -1
 
 
 def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
@@ -186,11 +189,17 @@ def impulse_of(e: Engine, port: int, part: int, rounding: float) -> float:
 def find_broken(e: Engine, r: Laws) -> int:
     """Find the rules of laws that hold in their own branches, with finite values.
 
-    Rounding of what is stored is not a violation: it was counted as zero.
+    Rounding of what is stored is not a violation: it was counted as zero. While machines slide each
+    of the modes combined has branches of its own, and values that they are held against.
     """
     m = e.model
     stack = e.work.stack
     stack.now = e.v
+    part = part_tried(e)
+    if part >= 0:
+        copy_floats(2 * m.slots, e.v, e.slide.ahead)
+        show_part(e, part, e.slide.ahead)
+        stack.now = e.slide.ahead
     stack.was = e.v
     stack.was_first = 0
     stack.jumps = False
@@ -220,6 +229,18 @@ def find_broken(e: Engine, r: Laws) -> int:
                 r.broken_target[r.broken] = m.rule_target[rule]
                 r.broken += 1
     return BROKEN if r.broken > 0 else STANDS
+
+
+def part_tried(e: Engine) -> int:
+    """Return which of the modes combined is the one tried, branches and all; NO_PART if none is."""
+    s = e.slide
+    for part in range(s.parts if s.k > 0 else 0):
+        same = True
+        for k in range(e.model.machines):
+            same = same and part_mode(e, part).state[k] == e.trial.state[k]
+        if same:
+            return part
+    return NO_PART
 
 
 def note_held(r: Laws, rule: int) -> None:

@@ -96,6 +96,12 @@ class Slide:
     v: Floats
     ahead: Floats
     """Values near those of the combination."""
+    read_slope: Floats
+    """The slopes of a function that reads bond variables, by all that it reads."""
+    kink_at: Floats
+    """Of each kink of a law, source or rate: what changes its sign there; 0 if it is rounding."""
+    put_state: Floats
+    """The state that stands among values."""
     # machines that follow others: followers.py
     given: bool
     """Whether the modes combined are those of `branch`, and nobody has to be asked."""
@@ -223,6 +229,9 @@ def make_slide(m: Model) -> Slide:
     s.rate = floats(n)
     s.v = floats(2 * m.slots)
     s.ahead = floats(2 * m.slots)
+    s.read_slope = floats(m.surface_first[m.surfaces])
+    s.kink_at = floats(m.kinks)
+    s.put_state = floats(n)
     follows = m.followers > 0
     s.led = floats(2 * m.slots if follows else 0)
     s.led_terms = floats(m.slots if follows else 0)
