@@ -67,7 +67,8 @@ def test_a_valve_that_closes_to_nothing_is_told_to_keep_a_little(opening: str) -
     """It was told of a resistor beside it alone."""
     with pytest.raises(hb.HybondError) as refused:
         hb.simulate(line(opening), 0.2)
-    assert refused.value.code == "HB-N301"
+    # nothing solves the law there, and no step is short enough to get there: either is found first
+    assert refused.value.code in {"HB-N301", "HB-N201"}
     assert "what multiplies the law of valve goes to zero" in str(refused.value)
     assert "max(1e-4, ...)" in str(refused.value)
 

@@ -68,7 +68,7 @@ def test_tanks_in_a_row_run_empty_together(solver: str) -> None:
         (2.4, 3.3, 1.1, 0.38, 0.09),
     ],
 )
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("turned", "beside"), [(False, False), (True, False), (False, True)])
 def test_two_tanks_run_empty_whatever_their_sizes_are(
     upper: float,
     lower: float,
@@ -76,15 +76,22 @@ def test_two_tanks_run_empty_whatever_their_sizes_are(
     between: float,
     outlet: float,
     turned: bool,
+    beside: bool,
     solver: str,
 ) -> None:
-    """A third of them was refused (HB-N302): the upper one was below nothing, and drew on."""
+    """A third of them was refused (HB-N302): the upper one was below nothing, and drew on.
+
+    Whatever else there is: a capacitor that nearly has no charge left, and moves.
+    """
     m = hb.Model("row")
     m.add(a=hb.C(1.0, e=upper), b=hb.C(lower, e=filled), na=hb.Zero(), nb=hb.Zero(), s=hb.One())
     m.add(p=hb.R({"f": f"{between}*sign(e)*sqrt(abs(e))"}), o=hb.R({"f": f"{outlet}*sqrt(e)"}))
     way = "nb -> s -> na" if turned else "na -> s -> nb"
     m.bond(way, "na -> a", "s -> p", "nb -> b", "nb -> o")
     m.signal(out=hb.Integral("o.f"))
+    if beside:
+        m.add(S=hb.Se("3*exp(-time/(1 [s]))"), j=hb.One(), R=hb.R(1.0), C=hb.C(0.5))
+        m.bond("S -> j -> R", "j -> C")
     run = hb.simulate(m, 400.0, solver=solver)
     there = upper + lower * filled
     for t in (1.0, 10.0, 30.0, 100.0, 400.0):

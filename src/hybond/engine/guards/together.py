@@ -155,7 +155,10 @@ def is_kink_alone(e: Engine, g: Locator) -> bool:
 
 
 def before_kink(e: Engine, g: Locator, at: float) -> float:
-    """Return an instant at which none of the kinks that end the step there is passed."""
+    """Return an instant at which none of the kinks that end the step there is passed.
+
+    Those are in `g.done` then.
+    """
     for k in range(g.guards):
         ends = g.side[k] != NO_KINK
         ends = ends and holds_at(e, g, k, at)

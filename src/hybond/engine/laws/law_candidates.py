@@ -200,7 +200,7 @@ def find_broken(e: Engine, r: Laws) -> int:
         copy_floats(2 * m.slots, e.v, e.slide.ahead)
         show_part(e, part, e.slide.ahead)
         stack.now = e.slide.ahead
-    stack.was = e.v
+    stack.was = stack.now
     stack.was_first = 0
     stack.jumps = False
     stack.terms = e.trial.terms

@@ -109,26 +109,32 @@ def stop_within_error(e: Engine, r: Run) -> bool:
     m = e.model
     n = e.states
     widest_tolerance(e, e.y, r.beside)
-    on = False
     for k in range(m.edges):
         r.edge_left[k] = way_to(e, k, e.y)
     for i in range(n):
-        stops = i < m.storages and math.fabs(e.y[i]) <= r.beside[i]
+        stops = i < m.storages and e.y[i] != 0.0 and math.fabs(e.y[i]) <= r.beside[i]
         r.beside[i] = 0.0 if stops else e.y[i]
-        r.beside[n + i] = 1.0 if stops and e.y[i] != 0.0 else 0.0
+        r.beside[n + i] = 1.0 if stops else 0.0
+    # what is small elsewhere, and goes on, is left as it is
+    moves = True
+    while moves:
+        moves = False
+        if field(e, e.mode, e.t, r.beside, r.rate) != OK:
+            return False
+        for i in range(n):
+            if r.beside[n + i] != 0.0 and r.rate[i] != 0.0:
+                r.beside[i] = e.y[i]
+                r.beside[n + i] = 0.0
+                moves = True
+    on = False
     for k in range(m.edges):
         there = way_to(e, k, r.beside)
         if not there >= 0.0:
             return False
         on = on or (there == 0.0 and r.edge_left[k] != 0.0)
-    if not on or field(e, e.mode, e.t, r.beside, r.rate) != OK:
-        return False
-    for i in range(n):
-        if r.beside[n + i] != 0.0 and r.rate[i] != 0.0:
-            return False
-    for i in range(n):
+    for i in range(n if on else 0):
         e.y[i] = r.beside[i]
-    return True
+    return on
 
 
 def reach_edge(e: Engine, r: Run, k: int, room: float) -> bool:

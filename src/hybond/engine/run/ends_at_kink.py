@@ -65,6 +65,9 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     tried = e.step.t1 - e.step.t0
     if end_at_kink(e, r, at) != OK:
         return -1
+    # what has ended the step is noted, until others are asked
+    short = e.step.t1 - e.step.t0
+    missed = short > room_of_instant(e, e.step.t1) and not (by_radau(e) or reaches_kink(e, r))
     struck = e.model.laws > 0 and kink_jumps_onto_contact(e, r, at)
     if jumps_onto_storage(e, r, at):
         report_step(e, r.report)
@@ -76,8 +79,6 @@ def pass_kink(e: Engine, r: Run, at: float) -> int:
     if vain:
         r.jumps = False
         r.leads_back = False
-    short = e.step.t1 - e.step.t0
-    missed = short > room_of_instant(e, e.step.t1) and not (by_radau(e) or reaches_kink(e, r))
     found = leave_or_go(e, r, at)
     if found == ANEW and vain:
         e.step.h = min(e.step.h, SHORTER * tried)

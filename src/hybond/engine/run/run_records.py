@@ -142,9 +142,10 @@ class Run:
     edge_t: float
     """When the last of them was, s."""
     edge_from: Floats
-    edge_left: Floats
     """The state from which it went there, and in which time, s."""
     edge_time: float
+    edge_left: Floats
+    """How far each edge was then."""
     taken: int
     """Steps since the last instant."""
     began: float

@@ -24,6 +24,7 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import AUTO, EXACT
 from hybond.engine.methods.explicit.one_instant import room_of_instant
+from hybond.engine.methods.implicit.near_roots import takes_no_root
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.radau_slopes import held_by_law
 from hybond.engine.methods.implicit.radau_stages import (
@@ -41,7 +42,6 @@ from hybond.engine.methods.implicit.whole_factors import solve_by_whole
 from hybond.engine.methods.implicit.whole_stages import fit_whole, put_left, solve_whole, take_all
 from hybond.engine.methods.tolerances.scale import tolerance
 from hybond.engine.mode.digits.sizes import sizes_of
-from hybond.engine.mode.nonlinear.newton_system import is_given
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
@@ -78,8 +78,8 @@ DIGITS: Final = 1.4901161193847656e-08
 LEVEL: Final = 64.0 * 2.220446049250313e-16
 """What is no farther off an edge, as a part of its terms, is on it."""
 SHUT: Final = 1e-6
-"""Part of its terms by which what is under a root is below zero where a valve is shut: far more than
-steps may be off by."""
+"""Part of its terms by which what is under a root is below zero where a valve is shut: where a
+difference of two is written, far more than steps are off by."""
 STEEP: Final = 2.0
 """Slope times step beyond which a state is held where it is, and does not follow its rate."""
 CALM: Final = 30
@@ -101,8 +101,7 @@ def may_turn(e: Engine) -> bool:
 def see_edges(e: Engine, t: float, y: Floats) -> None:
     """See whether a motion begins on an edge, and how far it is from each.
 
-    A valve ``sqrt(max(0, e))`` that is shut, and by more than the error of steps may be, is as far
-    as from where it opens, and not on its edge.
+    A valve ``sqrt(max(0, e))`` that is shut is as far as from where it opens, and not on its edge.
     """
     m = e.model
     s = e.step
@@ -111,13 +110,12 @@ def see_edges(e: Engine, t: float, y: Floats) -> None:
         return
     for k in range(m.begins):
         s.edge[k] = value(m, m.edge_value[k], e.v)
-        bond = m.begin_bond[k]
         if s.edge[k] == 0.0:
             shut = value(m, m.edge_value[m.begins + k], e.v)
             if shut < 0.0:
                 s.edge[k] = shut if -shut > SHUT * value(m, m.edge_size[k], e.v) else 0.0
-        if k >= m.rooted and bond >= 0 and not is_given(e.mode, bond):
-            s.edge[k] = math.inf  # a power that no law is solved for is no root
+        if takes_no_root(e, k):
+            s.edge[k] = math.inf
         s.on_edge = s.on_edge or s.edge[k] == 0.0
 
 

@@ -18,6 +18,7 @@ from hybond.engine.engine import Engine
 from hybond.engine.methods.explicit.one_instant import show_motion
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.mode.digits.sizes import sizes_of
+from hybond.engine.mode.nonlinear.newton_system import is_given
 from hybond.engine.words import Floats
 
 NEAR: Final = 2.0**-20
@@ -59,7 +60,7 @@ def some_near(e: Engine, r: Radau) -> bool:
     fit(r.roots, 2 * many)
     roots = r.roots.at
     for k in range(many):
-        roots[k] = value(m, m.edge_value[k], e.v)
+        roots[k] = math.inf if takes_no_root(e, k) else value(m, m.edge_value[k], e.v)
     sizes_of(e, e.mode, e.v)
     for i in range(m.edge_bonds):
         e.v[m.bond_slot + m.edge_bond[i]] = e.work.sizes[m.edge_bond[i]]
@@ -68,6 +69,13 @@ def some_near(e: Engine, r: Radau) -> bool:
         roots[many + k] = value(m, m.edge_size[k], e.v)
         some = some or is_near(roots, many, k)
     return some
+
+
+def takes_no_root(e: Engine, k: int) -> bool:
+    """Whether what is under root k is a power that no law is solved for."""
+    m = e.model
+    bond = m.begin_bond[k]
+    return k >= m.rooted and bond >= 0 and not is_given(e.mode, bond)
 
 
 def is_near(roots: Floats, many: int, k: int) -> bool:

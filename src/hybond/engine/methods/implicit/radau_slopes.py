@@ -139,7 +139,7 @@ def make_slopes(e: Engine, r: Radau, rtol: float, across: bool) -> None:
         if r.together[j] == 0:
             take_alone(e, r, j, one_side, closely)
     for j in range(n):
-        if r.delta[j] != 0.0 and r.made_for[j] <= NOTHING:
+        if r.delta[j] != 0.0 and r.made_for[j] <= NOTHING and not closely:
             leave_out_rounding(r, j)
     if behind:
         come_back(r)

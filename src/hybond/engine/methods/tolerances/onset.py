@@ -108,13 +108,13 @@ def some_young(e: Engine, mode: Mode, t: float, y: Floats, f: Floats, soon: floa
             s.onset[k] = 0.0
             young = True
             behind += 1 if k >= m.storages else 0
-    for way in range(2 if young else 0):
+    for way in range(2 if young and few else 0):
         at = t + (soon if way == 0 else AT_ONCE * soon)
         known = field(e, mode, at, y, s.rate) == OK
         for k in range(m.storages if way == 0 and known else 0):
             late = s.onset[k] == 0.0 and math.fabs(s.rate[k]) > AGREE * math.fabs(f[k])
             hardly = hardly or late
-        for k in range(m.storages if few else e.states, e.states):
+        for k in range(m.storages, e.states):
             if s.onset[k] == 0.0 and not (known and s.rate[k] == 0.0):
                 s.onset[k] = -1.0
                 behind -= 1
