@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import hybond as hb
+from hybond.testing import random_recipe
 
 SMALL, LARGE, K = 2.0e-14, 3.0e-13, 1.0e-6
 RESTS = 5.8e6
@@ -78,4 +79,13 @@ def test_orifice_between_volumes_does_not_creep_beside_a_shut_valve(
     assert run["V.f"].at(t) == 0.0
     assert run.status == "ok"
     assert run.audit().holds()
+    assert run.stats["steps"] < 1500
+
+
+@pytest.mark.parametrize("seed", [102003304, 102005050, 102503475])
+def test_differences_beside_roots_shift_the_state(seed: int) -> None:
+    """One that the state swallows gave slopes of nothing by nothing: HB-N201 by radau."""
+    recipe = random_recipe(seed)
+    run = hb.simulate(recipe.model(), until=recipe.until, solver="radau")
+    assert run.status == "ok"
     assert run.stats["steps"] < 1500

@@ -48,7 +48,10 @@ def shorten_near_roots(e: Engine, r: Radau) -> None:
             r.next_one.at[j] = part_within(e, r.roots.at)
         r.shifted[j] = r.y0[j]
     for j in range(n):
-        r.delta[j] *= r.next_one.at[j]
+        # what is next to nothing beside the state itself does not shift it
+        least = min(ROUNDED * math.fabs(r.y0[j]), math.fabs(r.delta[j]))
+        short = max(r.next_one.at[j] * math.fabs(r.delta[j]), least)
+        r.delta[j] = math.copysign(short, r.delta[j])
 
 
 def some_near(e: Engine, r: Radau) -> bool:
