@@ -21,6 +21,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         lu_twofold          these with twice the digits
         sparse_lu           square systems in which each equation has few unknowns
         svd, least_distance        singular values; the point next to zero that keeps inequalities
+        least_step          the smallest change that brings functions to what is asked
     complementarity/
         law_problem, law_roles    the question as a complementarity problem
         one_sided, lcp, lcp_forms, lemke, pivoting    without friction; its solution
@@ -239,6 +240,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         struck_at_kink      sources that jump onto a contact
         edges, edges_met, roots_reached    where laws end, and how it goes on; roots that come to
                             rest
+        within_error        what a step left beside an edge is put there
         rests_ahead         steps that end where a root comes to rest
         on_surfaces, level_jumps    a step along surfaces ends: the state is put back, unless they
                             jump; where a function in Python makes them

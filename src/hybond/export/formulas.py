@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from hybond.model import expressions as e
+from hybond.model.expressions.rounded_roots import cleared_roots
 from hybond.model.expressions.stable import stable
 from hybond.model.expressions.tree import Table, fold
 from hybond.translate.tree import (
@@ -60,6 +61,7 @@ _CALLED = {
     "log_cosh": "log_cosh",
     "expm1": "exp_less_one",
     "log1p": "log_beside_one",
+    "cleared": "cleared",
 }
 _PAIRED = {
     "+": "add",
@@ -98,11 +100,11 @@ class Formulas:
 
     def number(self, tree: e.Expr) -> Expr:
         """Return an expression as a number; what is true counts 1."""
-        return _number(fold(stable(tree), self._node))
+        return _number(fold(cleared_roots(stable(tree)), self._node))
 
     def truth(self, tree: e.Expr) -> Expr:
         """Return an expression as a condition; a number is true unless it is zero."""
-        return _truth(fold(stable(tree), self._node))
+        return _truth(fold(cleared_roots(stable(tree)), self._node))
 
     def _node(self, node: e.Expr, prior: bool, below: list[Expr]) -> Expr:
         match node:

@@ -83,6 +83,7 @@ ADD_NUMBER: Final = 31  # and which one; four operators in the order of those ab
 DIVIDE_NUMBER: Final = 34
 ADD_SIGNAL: Final = 35  # and its slot, likewise
 DIVIDE_SIGNAL: Final = 38
+SKIP_UNLESS_BELOW: Final = 39  # nothing is what is on top, which stays
 
 
 def run_code(code: Ints, begin: int, number: Floats, v: Floats, stack: Floats) -> float:
@@ -132,6 +133,8 @@ def run_code(code: Ints, begin: int, number: Floats, v: Floats, stack: Floats) -
             i += code[i] + 1 if (x != 0.0) == (what == SKIP_IF) else 1
             x = stack[below]
             below -= 1
+        elif what == SKIP_UNLESS_BELOW:
+            i += 1 if x < 0.0 else code[i] + 1
         elif what == ABSOLUTE:
             x = math.fabs(x)
         elif what == SIGN:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.words import quotient
 
 SIN: Final = 0
@@ -28,6 +29,7 @@ SOFTPLUS: Final = 17
 LOG_COSH: Final = 18
 EXPM1: Final = 19
 LOG1P: Final = 20
+CLEARED: Final = 21
 MOST: Final = 709.782712893384
 """The logarithm of the largest number: exp() of more is infinite."""
 MOST_HALVED: Final = 710.4758600739439
@@ -35,6 +37,8 @@ MOST_HALVED: Final = 710.4758600739439
 LOG_OF_TWO: Final = 0.6931471805599453
 ROUNDED: Final = 1e-9
 """What the logarithm of a power is known to."""
+BELOW: Final = 64.0 * EPSILON
+"""Part of its terms by which a sum under a root may be below nothing by rounding."""
 
 
 def sign_of(a: float) -> float:
@@ -118,6 +122,11 @@ def log_beside_one(a: float) -> float:
     return math.log1p(a) if a > -1.0 else logarithm(1.0 + a)
 
 
+def cleared(a: float, size: float) -> float:
+    """Return a, or nothing where it is below that by rounding of terms of a size."""
+    return 0.0 if a < 0.0 and a >= -BELOW * size and math.isfinite(size) else a
+
+
 def function_of(which: int, a: float, b: float) -> float:
     """Return one of the functions above; `b` is read by those of two numbers."""
     if which == SIN:
@@ -160,6 +169,8 @@ def function_of(which: int, a: float, b: float) -> float:
         return log_beside_one(a)
     if which == ATAN2:
         return math.atan2(a, b)
+    if which == CLEARED:
+        return cleared(a, b)
     if which == MOD:
         return modulo(a, b)
     return math.nan

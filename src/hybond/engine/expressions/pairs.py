@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.expressions.functions import function_of, power, ratio
+from hybond.engine.expressions.functions import SQRT, function_of, power, ratio
 from hybond.engine.words import Floats, floats, record
 
 DEPTH: Final = 256
@@ -268,6 +268,8 @@ def apply(s: Stack, which: int) -> None:
     k = s.top
     if is_impulsive(s, k):
         s.refused = FUNCTION
+    if which == SQRT:
+        clear_root(s, k)
     own = s.finite[k]
     size = s.size[k]
     put_plain(s, k, function_of(which, s.finite[k], 0.0), function_of(which, s.before[k], 0.0))
@@ -275,6 +277,15 @@ def apply(s: Stack, which: int) -> None:
         moved = function_of(which, own + ROUNDING * size, 0.0) - s.finite[k]
         if math.isfinite(moved) and size < LARGEST:
             s.size[k] = max(s.size[k], math.fabs(moved) / ROUNDING)
+
+
+def clear_root(s: Stack, k: int) -> None:
+    """Let nothing be left of what is below nothing by rounding, where its root is taken."""
+    rounding = ROUNDING * s.size[k] if s.size[k] < LARGEST else 0.0
+    if s.finite[k] < 0.0 and s.finite[k] >= -rounding:
+        s.finite[k] = 0.0
+    if s.before[k] < 0.0 and s.before[k] >= -rounding:
+        s.before[k] = 0.0
 
 
 def apply_to_two(s: Stack, which: int) -> None:
@@ -306,9 +317,11 @@ def raise_to(s: Stack) -> None:
         if not is_impulsive(s, k + 1) and s.finite[k + 1] == 1.0:
             return
         s.refused = POWER
+    raised = s.finite[k + 1]
+    if math.isfinite(raised) and math.floor(raised) != raised:
+        clear_root(s, k)
     own = s.finite[k]
     size = s.size[k]
-    raised = s.finite[k + 1]
     put_plain(s, k, power(s.finite[k], s.finite[k + 1]), power(s.before[k], s.before[k + 1]))
     s.size[k] = max(s.size[k], size_of_power(own, size, raised, s.finite[k]))
 

@@ -39,7 +39,9 @@ def find_within(e: Engine, g: Locator) -> int:
     """Repeat a step shorter until there are values all over it, where a law has an edge."""
     for _ in range(SHORTER if e.model.edges > 0 else 0):
         h = 0.25 * (e.step.t1 - e.step.t0)
-        if e.step.t0 + h == e.step.t0 or retry(e, e.step.t0 + h) != OK:
+        if e.step.t0 + h == e.step.t0:
+            return REFUSED
+        if retry(e, e.step.t0 + h) != OK and not is_led(e):
             return REFUSED
         if locate(e, g) == OK:
             return OK
@@ -168,7 +170,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
             if retry(e, end) != OK:
                 return as_led(e, g)
         if locate(e, g) != OK:
-            return REFUSED
+            return find_within(e, g)
         if g.at < math.inf:
             return closer(e, g)
     if knows_ends(e) and e.step.t1 != longest and about:
@@ -232,11 +234,18 @@ def shorten(e: Engine, g: Locator) -> int:
     return OK
 
 
+def is_led(e: Engine) -> bool:
+    """Whether the step ends where shorter ones have led, and not where it was to end."""
+    led = by_radau(e) and e.step.off > 1.0 and e.step.t1 > e.step.t0
+    e.refusal = e.refusal and not led
+    return led
+
+
 def as_led(e: Engine, g: Locator) -> int:
     """Let the step end where shorter ones have led that were too many, and look for a guard there.
 
     What is left of the way is for the run.
     """
-    if not (by_radau(e) and e.step.off > 1.0 and e.step.t1 > e.step.t0) or locate(e, g) != OK:
+    if not is_led(e) or (locate(e, g) != OK and find_within(e, g) != OK):
         return REFUSED
     return land_first(e, g, room_of_instant(e, e.t)) if g.at < math.inf else OK

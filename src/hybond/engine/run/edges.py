@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
+from hybond.engine.expressions.functions import BELOW
 from hybond.engine.methods.explicit.one_instant import room_of_instant
-from hybond.engine.methods.tolerances.scale import widest_tolerance
 from hybond.engine.mode.digits.sizes import sizes_of
 from hybond.engine.run.run_records import Run
+from hybond.engine.run.within_error import stop_within_error
 from hybond.engine.surfaces.values import evaluate, field
 from hybond.engine.words import Floats
 
@@ -23,7 +23,7 @@ NEARLY: Final = 1.0 - 1e-10
 """Part of the way that is gone where all of it leads beyond by rounding."""
 AT_ONCE: Final = 1e-9
 """Part of the run within which an edge is reached at once, where no step is short enough."""
-LEVEL: Final = 64.0 * EPSILON
+LEVEL: Final = BELOW
 """What is this near to an edge, as a part of its terms, is there as soon as it comes nearer: of
 many tanks that come to rest together no rounding goes to and fro."""
 PASSES: Final = 64
@@ -49,7 +49,7 @@ def reach_edges(e: Engine, r: Run) -> bool:
     for k in range(e.model.edges):
         reached = reach_edge(e, r, k, room) or reached
     reached = vanish(e, r) or reached
-    reached = reached or stop_within_error(e, r)
+    reached = reached or stop_within_error(e, r.resting)
     e.refusal = refusal and not reached
     return reached
 
@@ -98,43 +98,6 @@ def vanish(e: Engine, r: Run) -> bool:
     for i in range(n if changed else 0):
         e.y[i] = r.beside[i]
     return changed
-
-
-def stop_within_error(e: Engine, r: Run) -> bool:
-    """Let nothing be left of what is no more than the error of a step, if it stays so on an edge.
-
-    Two tanks run empty together, and a step has left the upper one below nothing: it would be
-    filled from below, where there is nothing to give.
-    """
-    m = e.model
-    n = e.states
-    widest_tolerance(e, e.y, r.beside)
-    for k in range(m.edges):
-        r.edge_left[k] = way_to(e, k, e.y)
-    for i in range(n):
-        stops = i < m.storages and e.y[i] != 0.0 and math.fabs(e.y[i]) <= r.beside[i]
-        r.beside[i] = 0.0 if stops else e.y[i]
-        r.beside[n + i] = 1.0 if stops else 0.0
-    # what is small elsewhere, and goes on, is left as it is
-    moves = True
-    while moves:
-        moves = False
-        if field(e, e.mode, e.t, r.beside, r.rate) != OK:
-            return False
-        for i in range(n):
-            if r.beside[n + i] != 0.0 and r.rate[i] != 0.0:
-                r.beside[i] = e.y[i]
-                r.beside[n + i] = 0.0
-                moves = True
-    on = False
-    for k in range(m.edges):
-        there = way_to(e, k, r.beside)
-        if not there >= 0.0:
-            return False
-        on = on or (there == 0.0 and r.edge_left[k] != 0.0)
-    for i in range(n if on else 0):
-        e.y[i] = r.beside[i]
-    return on
 
 
 def reach_edge(e: Engine, r: Run, k: int, room: float) -> bool:

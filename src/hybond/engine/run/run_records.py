@@ -12,6 +12,7 @@ from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_ins
 from hybond.engine.instant.settling import Settling, make_settling
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.log import Report
+from hybond.engine.run.within_error import Resting, make_resting
 from hybond.engine.words import Floats, Ints, Records, floats, ints, record, records, some
 
 IDLE: Final = 100
@@ -144,8 +145,8 @@ class Run:
     edge_from: Floats
     """The state from which it went there, and in which time, s."""
     edge_time: float
-    edge_left: Floats
-    """How far each edge was then."""
+    resting: Resting
+    """Room to see what comes to rest there."""
     taken: int
     """Steps since the last instant."""
     began: float
@@ -190,7 +191,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.edge_at = -1.0
     r.edge_t = -math.inf
     r.edge_from = floats(e.states)
-    r.edge_left = floats(e.model.edges)
+    r.resting = make_resting(e)
     r.warm_y = floats(e.states)
     r.warm_rounding = floats(e.model.storages)
     r.resumed = -math.inf

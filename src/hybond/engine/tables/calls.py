@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from hybond.engine.surfaces.reads import READS_INPUT
-from hybond.engine.tables.guards import magnitude
 from hybond.errors import ModelError
 from hybond.model.expressions import names
+from hybond.model.expressions.rounded_roots import magnitude
 from hybond.model.graph import FlatGraph, Sample
 from hybond.model.inputs import Called
 

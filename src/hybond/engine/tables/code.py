@@ -13,6 +13,7 @@ from hybond.engine.expressions.functions import (
     ATAN,
     ATAN2,
     CEIL,
+    CLEARED,
     COS,
     COSH,
     EXP,
@@ -48,6 +49,7 @@ from hybond.model.expressions import (
     Pre,
     Table,
 )
+from hybond.model.expressions.rounded_roots import cleared_roots
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.stable import stable
 from hybond.model.expressions.tree import fold
@@ -136,7 +138,9 @@ class Code:
         ModelError
             HB-E636 for one that needs a deeper stack than there is.
         """
-        instructions, depth = fold(stable(e), partial(self._node, paired=paired))
+        # pairs know themselves what is rounding of their terms
+        form = stable(e) if paired else cleared_roots(stable(e))
+        instructions, depth = fold(form, partial(self._node, paired=paired))
         if depth > c.DEEPEST:
             raise ModelError(
                 f"an expression needs {depth} intermediate values at once",
@@ -189,6 +193,10 @@ class Code:
         raise TypeError(type(e).__name__)
 
     def _call(self, function: str, below: Sequence[_Part]) -> _Part:
+        if function == "cleared":
+            (code, depth), (size, deep) = below
+            rounded = [c.SKIP_UNLESS_BELOW, len(size) + 2, *size, c.APPLY_TO_TWO, CLEARED]
+            return [*code, *rounded], max(depth, deep + 1)
         if function in ONE:
             return _then(below, c.APPLY, ONE[function])
         if function in _FORMS:

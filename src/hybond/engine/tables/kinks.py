@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from hybond.engine.inputs.calls import CALLED, FREE
 from hybond.engine.tables.columns import INTS, put_rows
-from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.options import METHODS
 from hybond.engine.tables.parts import is_flat_at_zero
 from hybond.equations.surfaces import moves, surfaces_of
@@ -34,6 +33,7 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.kinks import clipped, leaping
 from hybond.model.expressions.level_sides import joins
+from hybond.model.expressions.rounded_roots import cleared, magnitude
 from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph
 from hybond.options import QUANTISED
@@ -127,7 +127,8 @@ def put_kinks(t: ModelTables) -> None:
     written = {*edges, *(a for a in ordered if moves(a) and not uses_pre(a))}
     t.numbers["rooted"] = len(written)
     t.numbers["begins"] = len(begins)
-    t.ints["edge_value"] = [t.values.number(a) for a in (*begins, *map(_unclamped, begins))]
+    rows = (*map(cleared, begins), *map(_unclamped, begins))
+    t.ints["edge_value"] = [t.values.number(a) for a in rows]
     met = {_unscaled(a) for a, k in zip(found, t.ints["kink_meets"], strict=False) if k}
     decide = {_unscaled(a) for a in found}
     t.ints["edge_met"] = [

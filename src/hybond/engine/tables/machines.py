@@ -5,10 +5,11 @@ from __future__ import annotations
 from hybond.engine.tables.columns import INTS, ModelTables, first_of, put_rows
 from hybond.engine.tables.contacts import rules_of
 from hybond.engine.tables.factored_guards import asks_both_sides, factored_guard
-from hybond.engine.tables.guards import magnitude, seen_in_motion
+from hybond.engine.tables.guards import seen_in_motion
 from hybond.engine.tables.plain_guards import plain_guard
 from hybond.model.expressions import comparisons, names
 from hybond.model.expressions.kinks import may_lack_value
+from hybond.model.expressions.rounded_roots import magnitude
 from hybond.model.graph import FlatGraph, Machine
 
 _STILL = ("in:", "on:", "at:")

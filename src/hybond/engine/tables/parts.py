@@ -8,7 +8,6 @@ from typing import Any
 from hybond.engine.mode.nonlinear.one_root import HANGS
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.forms import put_forms
-from hybond.engine.tables.guards import magnitude
 from hybond.engine.tables.timestepping import put_steps
 from hybond.equations.calculus import bent, gradient, partial_time, reads_bonds
 from hybond.equations.element_parts import Dynamic, Part, Source
@@ -35,6 +34,7 @@ from hybond.model.expressions import (
     turning,
     uses_pre,
 )
+from hybond.model.expressions.rounded_roots import magnitude
 from hybond.model.expressions.tree import walk
 from hybond.model.kinds import SOURCES
 

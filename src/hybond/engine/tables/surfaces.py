@@ -14,9 +14,10 @@ from hybond.engine.surfaces.reads import (
 )
 from hybond.engine.tables.columns import first_of
 from hybond.engine.tables.contacts import rules_of
-from hybond.engine.tables.guards import magnitude, seen_in_motion
+from hybond.engine.tables.guards import seen_in_motion
 from hybond.equations.surfaces import Surface, moves, surfaces_of, way_beside
 from hybond.model.expressions import Expr, Not, differentiate, names, simplify
+from hybond.model.expressions.rounded_roots import magnitude
 from hybond.model.graph import Rule
 
 if TYPE_CHECKING:

@@ -196,6 +196,7 @@ _UFUNC: dict[str, Callable[..., Any]] = {
 
 
 _MOST = math.log(sys.float_info.max)
+_BELOW = 64.0 * sys.float_info.epsilon
 
 
 # the engine has the same functions, to the last bit, in the language that it is translated from
@@ -217,6 +218,15 @@ def _exp_less_one(a: float) -> float:
 
 def _log_beside_one(a: float) -> float:
     return math.log1p(a) if a > -1.0 else -math.inf if a == -1.0 else math.nan
+
+
+def _cleared(a: float, size: float) -> float:
+    return 0.0 if 0.0 > a >= -_BELOW * size > -math.inf else a
+
+
+def _cleared_arrays(a: Any, size: Any) -> Any:
+    least = -_BELOW * np.asarray(size, dtype=np.float64)
+    return np.where((a < 0.0) & (a >= least) & np.isfinite(least), 0.0, a)
 
 
 def _softplus_arrays(a: Any) -> Any:
@@ -281,6 +291,7 @@ FLOATS = Algebra(
         "log_cosh": _log_cosh,
         "expm1": _exp_less_one,
         "log1p": _log_beside_one,
+        "cleared": _cleared,
     },
     const=same,
     table=_table,
@@ -326,6 +337,7 @@ ARRAYS = Algebra(
         "log_cosh": _log_cosh_arrays,
         "expm1": _real(np.expm1),
         "log1p": _real(np.log1p),
+        "cleared": _cleared_arrays,
     },
     const=cast("Callable[[float], Any]", np.asarray),
     table=_table_arrays,

@@ -8,6 +8,7 @@ from typing import Any
 
 from hybond.errors import ExpressionError
 from hybond.model.expressions.algebra import FLOATS, Algebra, Closure, same
+from hybond.model.expressions.rounded_roots import cleared_roots
 from hybond.model.expressions.stable import stable
 from hybond.model.expressions.tree import (
     And,
@@ -65,7 +66,7 @@ def compile_expression(
     5.0
     """
     used = FLOATS if algebra is None else algebra
-    form = stable(e) if "softplus" in used.call else e
+    form = cleared_roots(stable(e)) if "softplus" in used.call else e
     return used.wrap(fold(form, _Compiler(slot, used, pre_offset).node))
 
 

@@ -379,7 +379,21 @@ def add_piece(r: Radau) -> None:
         r.piece_y0[k * n + i] = r.y0[i]
         r.piece_y1[k * n + i] = r.y1[i]
     put_dense(r, 4 * k * n)
+    copy_floats(3 * n, r.z, r.piece_z)
+    copy_floats(3 * n, r.coefficients, r.piece_coefficients)
     r.pieces = k + 1
+
+
+def end_with_pieces(r: Radau) -> None:
+    """Let the step end with the last of its pieces, behind which no shorter one could be made."""
+    n = r.n
+    last = r.pieces - 1
+    r.t1 = r.piece_t1[last]
+    r.h = r.t1 - r.piece_t0[last]
+    copy_part(n, r.piece_y1, last * n, r.y1, 0)
+    copy_floats(n, r.f0, r.f1)
+    copy_floats(3 * n, r.piece_z, r.z)
+    copy_floats(3 * n, r.piece_coefficients, r.coefficients)
 
 
 def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) -> int:
@@ -434,6 +448,9 @@ def retry_radau(e: Engine, r: Radau, rtol: float, t_end: float, longest: float) 
                 copy_floats(n, r.f1, r.f0)
             else:
                 break
+    if made != STEP_MADE and r.pieces > 0 and r.pieces < PIECES:
+        end_with_pieces(r)
+        e.step.off = math.inf
     if remade > 0:
         copy_floats(n * n, r.kept_jacobian, r.jacobian)
         r.twofold_from = r.kept_from

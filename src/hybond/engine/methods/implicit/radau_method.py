@@ -114,7 +114,8 @@ def radau_too_small(e: Engine, r: Radau) -> int:
 def radau_retry(e: Engine, t_end: float) -> int:
     """Repeat the last step, ending at `t_end`.
 
-    Where that takes too many shorter steps it is refused, and the step ends where they have led.
+    Where that takes too many shorter steps, or one that is too short, it is refused, and the step
+    ends where they have led.
     """
     # what begins where it does has the size that it had then
     e.step.t = e.radau.start

@@ -170,6 +170,9 @@ class Radau:
     again_left: float
     again_span: float
     again_polynomial: Floats
+    piece_z: Floats
+    piece_coefficients: Floats
+    """The stages of the last piece of a step that is made in pieces, and its dense output."""
     kept_jacobian: Floats
     kept_rest: Block
     kept_from: float
@@ -269,6 +272,8 @@ def make_radau(n: int) -> Radau:
     r.start_y = floats(n)
     r.start_f = floats(n)
     r.again_polynomial = floats(3 * n)
+    r.piece_z = floats(3 * n)
+    r.piece_coefficients = floats(3 * n)
     r.kept_jacobian = floats(n * n)
     r.nearer = 1.0
     r.doubted_at = math.nan
