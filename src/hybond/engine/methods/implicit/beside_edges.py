@@ -45,6 +45,8 @@ ends better than stages that are only just found."""
 SOONER: Final = 0.1
 """Part of a step for which no stages were found that the next one is at most for which they are
 looked for again."""
+STAYS: Final = 0.25
+"""Part of how far it is from an edge where a step begins that it has at the end, at least."""
 LESSENS: Final = 0.5
 """Part of what was left of the equations that a correction may leave of them."""
 
@@ -161,7 +163,7 @@ def rises(e: Engine, r: Radau) -> bool:
         return False
     for k in range(m.edges):
         there = value(m, m.edge_value[k], e.v)
-        if there < s.edge_there[k] and not (there < 0.0 and s.edge_there[k] < 0.0):
+        if there < STAYS * s.edge_there[k] and not (there < 0.0 and s.edge_there[k] < 0.0):
             return False
     return True
 
