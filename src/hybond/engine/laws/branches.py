@@ -37,6 +37,17 @@ def choose_anew(e: Engine) -> None:
     s.branches = 0
 
 
+def choose_ahead(e: Engine, time: float, rate: Floats, at: int) -> None:
+    """Forget all branches; they are chosen where rates, from `at` on, lead in a time."""
+    m = e.model
+    s = e.slide
+    choose_anew(e)
+    for k in range(m.storages):
+        s.choose_x[k] += time * rate[at + k]
+    for k in range(m.integrals):
+        s.choose_s[k] += time * rate[at + m.storages + k]
+
+
 def know_branches(e: Engine, state: Ints, k: int, product: bool, side: Ints) -> None:
     """Choose the branches of the modes around k surfaces that are not known yet.
 

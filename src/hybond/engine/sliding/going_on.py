@@ -58,7 +58,9 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
     s.slid_product = slid > 0 and s.best_product
     copy_places(slid, s.chosen, 0, s.surface, 0)
     copy_places(m.machines, s.mark, 0, e.state, 0)
-    choose_anew(e)
+    if not s.from_edge:
+        choose_anew(e)
+    s.from_edge = False
     know_around(e, e.state)
     found = s.met if slid > 0 else 0
     s.met = 0

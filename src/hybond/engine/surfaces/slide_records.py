@@ -52,6 +52,13 @@ class Slide:
     choose_x: Floats
     choose_s: Floats
     kept_pre: Floats
+    # those a little ahead of laws that are at their ends: from_edge.py
+    from_edge: bool
+    """Whether the branches chosen are those a little ahead."""
+    edge_rate: Block
+    """Of each part, then of the combination: the rates by which it is looked ahead."""
+    branch_now: Places
+    branch_ahead: Places
     # the combination at one point
     known: bool
     at: Floats
@@ -220,6 +227,9 @@ def make_slide(m: Model) -> Slide:
     s.total = make_block(1)
     s.freedom = make_block(1)
     s.branch = make_places(1)
+    s.branch_now = make_places(1)
+    s.branch_ahead = make_places(1)
+    s.edge_rate = make_block(1)
     s.choose_x = floats(m.storages)
     s.choose_s = floats(m.integrals)
     s.kept_pre = floats(m.slots)
