@@ -64,7 +64,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     decided = NO_WAY
     if met > 0:
         decided = decide_led(e)
-    if met > 0 and m.laws > 0 and not moved and is_held_by_some(e, decided):
+    if met > 0 and not moved and is_held_by_some(e, decided):
         decided = decide_from_edge(e, met, decided)
     if decided == NO_WAY and met == 1 and moved and s.many == 0:
         decided = decide_collapsed(e)
