@@ -16,7 +16,7 @@ from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.branches import choose, choose_ahead, choose_anew, follow
 from hybond.engine.sliding.around import take_met
-from hybond.engine.sliding.chatter import decide_led
+from hybond.engine.sliding.chatter import RETURNS, decide_led, other_after_turns
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS
 from hybond.engine.surfaces.blend import average, solve_part
@@ -102,7 +102,8 @@ def leads_there(e: Engine, at: int) -> bool:
     put_modes(e, s.modes_slid)
     for turn in range(LENGTHS):
         if is_same_ahead(e, at, LENGTH[turn], s.modes_slid):
-            return True
+            # what follows may only have stayed where it was: turns of switching tell
+            return e.model.followers == 0 or other_after_turns(e) == RETURNS
     return False
 
 
