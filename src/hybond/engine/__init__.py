@@ -197,7 +197,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         doubts, left_out, telling, told, instant    what is warned of, told and written down
     sliding/
         sliding, what_happened, met    after an event: which machines slide from there
-        ways_on, filippov, crossings, additive, ways_told    how the state goes on
+        ways_on, filippov, crossings, additive, from_edge, ways_told    how the state goes on
         chatter             where fast switching leads what follows
         around, going_on    modes on both sides, tried; what goes on sliding, or leaves
     contacts/

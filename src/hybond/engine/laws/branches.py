@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.blocks import grow_block, grow_places
 from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
 from hybond.engine.engine import OK, Engine
-from hybond.engine.jumps.trial import a_priori
+from hybond.engine.jumps.trial import a_priori, try_mode
 from hybond.engine.laws.entering import enter
 from hybond.engine.surfaces.branch_table import add_branches, find_branches, take_branches
 from hybond.engine.surfaces.corners import count_corners, put_corner
@@ -25,6 +26,7 @@ MOST: Final = 64
 def choose_at(e: Engine, x: Floats, signals: Floats) -> None:
     """Let branches be chosen in this state from now on; those that are known are kept."""
     s = e.slide
+    s.entries = 0
     copy_floats(e.model.storages, x, s.choose_x)
     copy_floats(e.model.integrals, signals, s.choose_s)
 
@@ -35,6 +37,18 @@ def choose_anew(e: Engine) -> None:
     copy_floats(e.model.storages, e.y, s.choose_x)
     copy_part(e.model.integrals, e.y, e.model.storages, s.choose_s, 0)
     s.branches = 0
+    s.entries = 0
+
+
+def choose_ahead(e: Engine, time: float, rate: Floats, at: int) -> None:
+    """Forget all branches; they are chosen where rates, from `at` on, lead in a time."""
+    m = e.model
+    s = e.slide
+    choose_anew(e)
+    for k in range(m.storages):
+        s.choose_x[k] += time * rate[at + k]
+    for k in range(m.integrals):
+        s.choose_s[k] += time * rate[at + m.storages + k]
 
 
 def know_branches(e: Engine, state: Ints, k: int, product: bool, side: Ints) -> None:
@@ -43,12 +57,13 @@ def know_branches(e: Engine, state: Ints, k: int, product: bool, side: Ints) -> 
     What is combined has to be taken anew, and so has the mode.
     """
     s = e.slide
-    if e.model.laws == 0:
+    if e.model.laws == 0 and e.model.followers == 0:
         return
     for part in range(count_corners(k, product)):
         put_corner(e.model, state, part, k, product, side, s.state)
         follow(e, state, s.state)
-        choose(e, s.state)
+        if e.model.laws > 0:
+            choose(e, s.state)
 
 
 def follow(e: Engine, before: Ints, state: Ints) -> None:
@@ -60,10 +75,14 @@ def follow(e: Engine, before: Ints, state: Ints) -> None:
     copy_places(m.machines, state, 0, s.begun, 0)
     for _ in range(MOST):
         s.wants = False
+        s.wants_entry = False
         let_follow(e, before, state)
-        if not s.wants:
+        if not (s.wants or s.wants_entry):
             return
-        choose(e, s.wanted)
+        if s.wants:
+            choose(e, s.wanted)
+        if s.wants_entry:
+            note_entry(e, s.wanted_entry)
         copy_places(m.machines, s.begun, 0, state, 0)
     # laws and followers send each other on, mode after mode
     s.restless = m.follower[0]
@@ -73,7 +92,7 @@ def know_around(e: Engine, state: Ints) -> None:
     """Choose the branches of the modes that are combined in `state`, before it is entered."""
     m = e.model
     s = e.slide
-    if m.laws == 0 or s.many == 0:
+    if (m.laws == 0 and m.followers == 0) or s.many == 0:
         return
     sides = 0
     for i in range(s.many):
@@ -115,3 +134,32 @@ def choose(e: Engine, state: Ints) -> None:
     s.k = k
     s.parts = parts
     e.laws.sweep = sweep
+
+
+def note_entry(e: Engine, state: Ints) -> None:
+    """Note what entering a mode from the present state jumps by."""
+    m = e.model
+    s = e.slide
+    many = s.many
+    k = s.k
+    parts = s.parts
+    s.many = 0
+    x = s.choose_x
+    found = a_priori(e, e.t, x, s.choose_s, state) == OK
+    found = found and try_mode(e, e.t, x, s.choose_s, state, True) == OK
+    s.many = many
+    s.k = k
+    s.parts = parts
+    row = s.entries
+    s.entries += 1
+    n = 2 * m.bonds
+    grow_places(s.entry, s.entries * m.machines)
+    grow_places(s.entry_known, s.entries)
+    grow_block(s.entry_jump, s.entries * n)
+    grow_block(s.entry_x, s.entries * m.storages)
+    copy_places(m.machines, state, 0, s.entry.at, row * m.machines)
+    s.entry_known.at[row] = 1 if found else 0
+    for b in range(n):
+        jumps = found and e.trial.jumps
+        s.entry_jump.at[row * n + b] = e.trial.jump[m.bond_slot + b] if jumps else 0.0
+    copy_part(m.storages, e.trial.x if found else x, 0, s.entry_x.at, row * m.storages)

@@ -26,9 +26,14 @@ def take_met(e: Engine, first: int, many: int, product: bool) -> int:
 def find_field(e: Engine, rate: Floats) -> bool:
     """Put the rates of the present state in ``e.mode`` there; False if there are none."""
     m = e.model
+    # what stands does so in the mode that is left
+    stood = e.standing.some
+    e.standing.some = False
     for k in range(m.slots):
         e.v[m.slots + k] = 0.0
     copy_part(m.switches + m.state_first[m.machines], e.mode.flags, 0, e.v, m.on_slot)
     put_limits(e, e.mode, e.v)
     # functions of surfaces may read any bond variable
-    return field(e, e.mode, e.t, e.y, rate) == OK and solve(e, e.mode, e.v) == OK
+    found = field(e, e.mode, e.t, e.y, rate) == OK and solve(e, e.mode, e.v) == OK
+    e.standing.some = stood
+    return found

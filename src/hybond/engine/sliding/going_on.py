@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
@@ -28,9 +29,13 @@ from hybond.engine.instant.told import (
     add_read,
     say_why,
 )
+from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.branches import choose_anew, know_around
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.reasons.facts import add_fact
+from hybond.engine.sliding.crossings import vanishes
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.combine import combine_here
@@ -38,6 +43,8 @@ from hybond.engine.surfaces.corners import cross_as_one
 from hybond.engine.surfaces.onto import onto_surfaces
 from hybond.engine.surfaces.parted import is_far
 from hybond.engine.surfaces.surface import part_mode
+from hybond.engine.surfaces.values import evaluate
+from hybond.engine.words import Floats
 
 SLIDING: Final = -1
 """The state of a machine that slides, in what is written down."""
@@ -54,11 +61,14 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
     s = e.slide
     copy_places(m.machines, s.target, 0, s.mark, 0)
     waiting = note_transitions(e, i, slid)
+    left = s.many > 0
     s.many = slid
     s.slid_product = slid > 0 and s.best_product
     copy_places(slid, s.chosen, 0, s.surface, 0)
     copy_places(m.machines, s.mark, 0, e.state, 0)
-    choose_anew(e)
+    if not s.from_edge:
+        choose_anew(e)
+    s.from_edge = False
     know_around(e, e.state)
     found = s.met if slid > 0 else 0
     s.met = 0
@@ -74,6 +84,8 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
     keep_phases(e)
     if s.k > 0 and put_on(e) != OK:
         return REFUSED
+    if s.k == 0 and left and put_within(e) != OK:
+        return REFUSED
     s.known = False
     if waiting > 0:
         write_transitions(e, i, collapsed)
@@ -86,12 +98,42 @@ def put_on(e: Engine) -> int:
     copy_floats(e.states, e.y, s.put_from)
     if onto_surfaces(e, e.t, e.y) != OK:
         return REFUSED
-    if is_far(e, s.put_from, e.y):
+    if is_far(e, s.put_from, e.y) and not is_led_within(e, s.put_from):
         copy_floats(e.states, s.put_from, e.y)
         say_fault(e, "HB-N405", "the state is not on the surfaces", "")
         for j in range(s.k if e.model.tells != 0 else 0):
             add_fact(e.fault, float(s.side[j]))
         return REFUSED
+    return OK
+
+
+def is_led_within(e: Engine, before: Floats) -> bool:
+    """Whether a mode around leads as far within the instant: what has held nothing has no size."""
+    s = e.slide
+    room = room_of_instant(e, e.t)
+    for k in range(e.states):
+        most = 0.0
+        for part in range(s.parts):
+            most = max(most, math.fabs(s.part_rate[part * e.states + k]))
+        if not math.fabs(e.y[k] - before[k]) <= room * most:
+            return False
+    return True
+
+
+def put_within(e: Engine) -> int:
+    """Put the state within what the mode holds that goes on alone; it is there but for dust."""
+    s = e.slide
+    if not is_constrained(e.mode):
+        return OK
+    if evaluate(e, e.mode, e.shown, e.t, e.y) != OK:
+        return REFUSED
+    if enter_mode(e, e.mode, e.shown, e.y, s.x) != OK:
+        return REFUSED
+    copy_floats(e.model.storages, s.x, s.rates)
+    for k in range(e.model.storages):
+        s.x[k] -= e.y[k]
+    if vanishes(e, s.x, e.y):
+        copy_floats(e.model.storages, s.rates, e.y)
     return OK
 
 

@@ -23,6 +23,7 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
+from hybond.engine.sliding.from_edge import decide_from_edge, is_held_by_some
 from hybond.engine.sliding.going_on import go_on_sliding
 from hybond.engine.sliding.met import drop, find_met, onto
 from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
@@ -50,6 +51,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         s.around[k] = e.state[k]
         s.settled[k] = e.state[k]
     moved = happened and has_moved(i)
+    s.from_edge = False
     choose_anew(e)
     know_around(e, e.state)
     if find_met(e, i, before, moved) != OK:
@@ -62,6 +64,8 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     decided = NO_WAY
     if met > 0:
         decided = decide_led(e)
+    if met > 0 and not moved and is_held_by_some(e, decided):
+        decided = decide_from_edge(e, met, decided)
     if decided == NO_WAY and met == 1 and moved and s.many == 0:
         decided = decide_collapsed(e)
     if decided == STOPS:

@@ -17,6 +17,7 @@ from hybond.engine.mode.digits.part_energies import find_energies, reach_of_bond
 from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.limits import put_limits
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.solving import solve
 from hybond.engine.model import Model
 from hybond.engine.surfaces.branch_table import UNKNOWN, find_branches, take_branches
@@ -66,10 +67,43 @@ def solve_led(e: Engine, state: Ints) -> None:
     if mode_of(e, s.led_mode) != OK:
         return
     copy_part(m.switches + m.state_first[m.machines], e.mode.flags, 0, s.led, m.on_slot)
+    if not put_entry(e):
+        return
     put_limits(e, e.mode, s.led)
     s.led_known = solve(e, e.mode, s.led) == OK
     if s.led_known:
         find_energies(e, e.mode)
+
+
+def put_entry(e: Engine) -> bool:
+    """Write what is stored after the jump on entering the mode, and its impulses; if known."""
+    m = e.model
+    s = e.slide
+    s.led_jumps = False
+    copy_part(m.storages, s.choose_x, 0, s.led, m.stored_slot)
+    if not is_constrained(e.mode):
+        return True
+    row = find_entry(m, s, s.led_mode)
+    if row == UNKNOWN:
+        s.wants_entry = True
+        copy_places(m.machines, s.led_mode, 0, s.wanted_entry, 0)
+        return False
+    copy_part(m.storages, s.entry_x.at, row * m.storages, s.led, m.stored_slot)
+    copy_part(2 * m.bonds, s.entry_jump.at, row * 2 * m.bonds, s.led_jump, m.bond_slot)
+    for b in range(2 * m.bonds):
+        s.led_jumps = s.led_jumps or s.led_jump[m.bond_slot + b] != 0.0
+    return s.entry_known.at[row] != 0
+
+
+def find_entry(m: Model, s: Slide, state: Ints) -> int:
+    """Return the row of a mode whose jump on being entered is known, or UNKNOWN."""
+    for row in range(s.entries):
+        same = True
+        for k in range(m.machines):
+            same = same and s.entry.at[row * m.machines + k] == state[k]
+        if same:
+            return row
+    return UNKNOWN
 
 
 def first_holding(e: Engine, j: int, state: int) -> int:
@@ -107,8 +141,8 @@ def holds_led(e: Engine, j: int, rule: int) -> bool:
     stack.now = s.led
     stack.was = s.led
     stack.was_first = m.slots
-    stack.jump = s.led
-    stack.jumps = False
+    stack.jump = s.led_jump
+    stack.jumps = s.led_jumps
     stack.terms = s.led_terms
     stack.prior_terms = s.led_terms
     return holds(m, rule, stack) and stack.refused == 0

@@ -46,8 +46,8 @@ def let_follow(e: Engine, before: Ints, state: Ints) -> None:
         take_given(m, s, state)
         return
     set_time(e, s.led, e.t)
-    copy_part(m.storages, e.y, 0, s.led, m.stored_slot)
-    copy_part(m.integrals, e.y, m.storages, s.led, m.signal_slot)
+    copy_part(m.storages, s.choose_x, 0, s.led, m.stored_slot)
+    copy_part(m.integrals, s.choose_s, 0, s.led, m.signal_slot)
     put_states(m, s, before, m.slots)
     put_states(m, s, state, 0)
     left = 2 * m.state_first[m.machines] + ROUNDS

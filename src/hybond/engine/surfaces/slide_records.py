@@ -52,6 +52,15 @@ class Slide:
     choose_x: Floats
     choose_s: Floats
     kept_pre: Floats
+    # those a little ahead of laws that are at their ends: from_edge.py
+    from_edge: bool
+    """Whether the branches chosen are those a little ahead."""
+    edge_rate: Block
+    """Of each part, then of the combination: the rates by which it is looked ahead."""
+    modes_now: Places
+    modes_slid: Places
+    modes_ahead: Places
+    """Of each part: the mode that it is now, that of a way to slide, and that a little ahead."""
     # the combination at one point
     known: bool
     at: Floats
@@ -112,6 +121,19 @@ class Slide:
     """The mode of a moment in which they change."""
     led_known: bool
     """Whether that mode has a solution, which is put into `led`."""
+    led_jump: Floats
+    """Impulses on entering that mode, and whether there are any."""
+    led_jumps: bool
+    entries: int
+    """Modes whose jump on being entered is known: rows of states, of impulses, of what is stored
+    then; whether there is one at all."""
+    entry: Places
+    entry_jump: Block
+    entry_x: Block
+    entry_known: Places
+    wants_entry: bool
+    """Whether that of a mode passed through is not known: ``wanted_entry``."""
+    wanted_entry: Ints
     wants: bool
     """Whether the branches of laws in a mode passed through are not known: ``wanted``."""
     wanted: Ints
@@ -220,6 +242,10 @@ def make_slide(m: Model) -> Slide:
     s.total = make_block(1)
     s.freedom = make_block(1)
     s.branch = make_places(1)
+    s.modes_now = make_places(1)
+    s.modes_slid = make_places(1)
+    s.modes_ahead = make_places(1)
+    s.edge_rate = make_block(1)
     s.choose_x = floats(m.storages)
     s.choose_s = floats(m.integrals)
     s.kept_pre = floats(m.slots)
@@ -235,6 +261,12 @@ def make_slide(m: Model) -> Slide:
     follows = m.followers > 0
     s.led = floats(2 * m.slots if follows else 0)
     s.led_terms = floats(m.slots if follows else 0)
+    s.led_jump = floats(m.slots if follows else 0)
+    s.entry = make_places(1)
+    s.entry_jump = make_block(1)
+    s.entry_x = make_block(1)
+    s.entry_known = make_places(1)
+    s.wanted_entry = ints(m.machines)
     s.led_mode = ints(m.machines)
     s.wanted = ints(m.machines)
     s.begun = ints(m.machines)
