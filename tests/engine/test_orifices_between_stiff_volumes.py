@@ -65,6 +65,7 @@ def test_flow_that_touches_zero_is_passed(solver: str) -> None:
     assert run.stats["steps"] < 3000
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "law",
     [

@@ -112,6 +112,7 @@ def test_a_model_of_many_states(name: str, monkeypatch: pytest.MonkeyPatch) -> N
     assert all(2 * groups <= MANY + 6 for groups in found)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_models(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """However few states they have."""
