@@ -446,6 +446,7 @@ def test_what_stores_nothing_has_gradients() -> None:
     assert (work.value, work["r"]) == pytest.approx((0.003125, -0.003125), rel=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("guess", "laps"), [(6.5, 1), (13.0, 2)])
 def test_a_guess_of_several_periods_is_told_that_the_motion_repeats_sooner(
     guess: float, laps: int

@@ -103,6 +103,7 @@ def held(monkeypatch: pytest.MonkeyPatch, found: list[int]) -> None:
     monkeypatch.setattr(radau_slopes, "take_together", checked)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", list(MODELS))
 def test_a_model_of_many_states(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found: list[int] = []
