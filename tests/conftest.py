@@ -23,7 +23,10 @@ from part_sheets import SHARE_SHEETS
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
 LARGE_GRID = 9
-"""Cases from which on a grid is sampled: of two by two it would be one diagonal, on which neither
+"""Cases from which on a quarter of a grid is kept."""
+
+SMALL_GRID = 6
+"""Cases from which on a half of it is: of two by two that would be one diagonal, on which neither
 axis is told from the other."""
 
 LONG_LIST = 6
@@ -93,16 +96,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.skip(reason=reason))
     if not config.option.keyword:  # who asks for tests by name gets all of their cases
         sample(items)
-        take_a_sixth(items)
+        take_a_twelfth(items)
 
 
 def sample(items: list[pytest.Item]) -> None:
     """Of a test with many cases keep some; the rest are slow.
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
-    ``parametrize`` make, it keeps a third, in which the values of each come about as often as each
-    other. Of any grid it keeps at least as many as its longest axis has values. Of a long list it
-    keeps every other one.
+    ``parametrize`` make, it keeps a quarter, and of a small one a half, in which the values of each
+    come about as often as each other. Of any grid it keeps at least as many as its longest axis has
+    values. Of a long list it keeps every other one.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -117,8 +120,9 @@ def sample(items: list[pytest.Item]) -> None:
             kept = {k * len(found) // many for k in range(many)}
             if is_grid(lengths_of(found), found) and many < len(found):
                 kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
-        elif is_grid(lengths_of(found), found) and len(found) >= LARGE_GRID:
-            kept = balanced(lengths_of(found), max(-(-len(found) // 3), *lengths_of(found)))
+        elif is_grid(lengths_of(found), found) and len(found) >= SMALL_GRID:
+            many = -(-len(found) // (4 if len(found) >= LARGE_GRID else 2))
+            kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
         else:
             kept = {*range(0, len(found), 2 if len(found) >= LONG_LIST else 1)}
         for k, item in enumerate(found):
@@ -126,15 +130,16 @@ def sample(items: list[pytest.Item]) -> None:
                 item.add_marker(pytest.mark.slow)
 
 
-def take_a_sixth(items: list[pytest.Item]) -> None:
-    """Of the slow tests of what a run does, let every sixth be none, the same ones each time.
+def take_a_twelfth(items: list[pytest.Item]) -> None:
+    """Of the slow tests of what a run does, let every twelfth be none, the same ones each time.
 
-    Which these are is by a checksum of their names: cases that no pattern of a grid chooses.
+    Which these are is by a checksum of their names: cases that no pattern of a grid chooses. A test
+    that is marked ``sampled(n)`` has the n that it wants already.
     """
     for item in items:
         slow = next((m for m in item.own_markers if m.name == "slow"), None)
-        chosen = zlib.crc32(item.nodeid.encode()) % 6 == 0
-        dear = getattr(item, "originalname", "") in DEAR
+        chosen = zlib.crc32(item.nodeid.encode()) % 12 == 0
+        dear = getattr(item, "originalname", "") in DEAR or item.get_closest_marker("sampled")
         dear = dear or any(m.name in COMPILED for m in item.iter_markers())
         if slow and chosen and not dear and RUNS & {*item.path.parts}:
             item.own_markers.remove(slow)

@@ -47,6 +47,12 @@ STRICT = next((c for c in (named(), GCC, CLANG, found("cc")) if strict(c)), None
 QUICK = TCC or STRICT or CC
 """The compiler that takes least time."""
 
+JAVA, JAVAC = (
+    [name, *(f"{to}-XX:{how}" for how in ("TieredStopAtLevel=1", "+UseSerialGC"))]
+    for name, to in (("java", ""), ("javac", "-J"))
+)
+"""Java that does not make itself fast first, which takes it half of such short runs."""
+
 COMPILERS = {"gcc": GCC, "clang": CLANG, "tcc": TCC, "zig": ZIG}
 
 MISSING = {

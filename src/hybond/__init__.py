@@ -325,6 +325,9 @@ def __getattr__(name: str) -> Any:
     if name in _ROOMS:
         return import_module(_ROOMS[name])
     if name not in _HOME:
+        # what looks into every module asks for names of its own, and often
+        if name.startswith("_"):
+            raise AttributeError(f"module 'hybond' has no attribute {name!r}")
         from hybond.names import did_you_mean
 
         same = _ELSEWHERE.get(name.lower().removesuffix("junction").rstrip("_"), "")

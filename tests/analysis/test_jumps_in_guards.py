@@ -99,6 +99,7 @@ def test_peak_current_control_has_the_multiplier_of_its_slopes(part: float) -> N
     assert orbit["L.f"].max() == pytest.approx(6.0, rel=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "source", ["if mod(time, T) < T/2 then U else -U", "U*sign(sin(2*pi*time/T))"]
 )

@@ -229,6 +229,7 @@ def brute(machines, q):
     return True
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_random_machines_stop_where_settling_by_hand_does_not_end(seed):
     rng = np.random.default_rng(seed)

@@ -351,6 +351,7 @@ def test_a_period_that_ends_where_a_sawtooth_jumps_moves_with_it() -> None:
     assert found.branches[0].ended == "the range ends"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("w", [1.0, 2.0])
 def test_a_swing_without_loss_driven_at_its_own_frequency_repeats_never(w: float) -> None:
     m = hb.Model("resonance", domain="electrical", parameters={"w": w})
@@ -361,6 +362,7 @@ def test_a_swing_without_loss_driven_at_its_own_frequency_repeats_never(w: float
     assert error.value.code == "HB-A540"
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("settle", [6.5, 7.0, 7.3, 13.3, 30.0])
 def test_a_swing_that_shrinks_to_a_point_has_no_period(settle: float) -> None:
     m = hb.Model("lc", domain="electrical")
@@ -444,6 +446,7 @@ def test_what_stores_nothing_has_gradients() -> None:
     assert (work.value, work["r"]) == pytest.approx((0.003125, -0.003125), rel=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("guess", "laps"), [(6.5, 1), (13.0, 2)])
 def test_a_guess_of_several_periods_is_told_that_the_motion_repeats_sooner(
     guess: float, laps: int

@@ -30,6 +30,7 @@ def half_controlled(start: float, firing: float, turned: bool) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("firing", "turned"), [(2e-3, False), (4e-3, True)])
 def test_diodes_that_take_over_without_a_current_leave_an_orbit_its_multiplier(
     firing: float, turned: bool

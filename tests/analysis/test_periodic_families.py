@@ -16,6 +16,7 @@ def pendulum(angle: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("angle", "settle"), [(0.5, 30), (2.0, 400), (3.0, 40)])
 def test_a_pendulum_swings_as_it_was_let_go_and_nothing_brings_others_there(
     angle: float, settle: float
@@ -43,6 +44,7 @@ def test_hunters_and_hunted_keep_their_own_conserved_quantity() -> None:
     assert orbit.neutral and orbit.free
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("settle", "guess"), [(6.5, None), (30, None), (1000, None), (30, "3 s")])
 def test_a_linear_circuit_without_losses_is_a_centre(settle: float, guess: str | None) -> None:
     m = hb.Model("lc", domain="electrical")

@@ -15,6 +15,7 @@ def ball(eps: float, force: str = "0 N") -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("eps", [0.3, 0.8])
 def test_the_limit_of_a_ball_that_comes_to_rest(eps: float) -> None:
     wrt = ["eps", "g", "h.start"]

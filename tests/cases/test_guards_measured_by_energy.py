@@ -29,6 +29,7 @@ def cell(turned: bool = False, size: float = 1.0) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("turned", "size"), [(False, 1.0), (True, 1.0), (False, 1e-3), (False, 1e3)]
 )
@@ -43,6 +44,7 @@ def test_a_diode_blocks_where_its_current_is_small_beside_what_was_stored(
     assert second["D.e"].max() < 1e-6 * size
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("resistance", [0.5, 1.0, 2.0])
 def test_what_a_coil_leaves_of_a_charge_ends_as_rounding(resistance: float) -> None:
     m = hb.Model("tail", domain="electrical")

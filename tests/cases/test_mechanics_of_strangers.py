@@ -186,6 +186,7 @@ def braked_by_hand() -> tuple[float, float, int]:
     return float(t), float(y[2]), switched
 
 
+@pytest.mark.sampled(1)
 @BOTH
 def test_brakes_of_slip_hold_a_wheel_from_locking(solver: str) -> None:
     """A valve between two slips; the curve of the tyre falls behind a slip of 0.12."""

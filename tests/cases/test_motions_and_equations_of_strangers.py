@@ -94,6 +94,7 @@ def test_a_double_pendulum_of_four_masses_has_two_speeds() -> None:
     assert run.audit().holds()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 def test_a_scotch_yoke_rubs_and_turns_round_at_its_ends(solver: str) -> None:
     """Friction turns at each dead centre, where the crank moves the yoke at no speed."""

@@ -233,6 +233,7 @@ def test_time_stepping_has_the_same_disk_along_every_direction() -> None:
         assert abs(run["mx.p"].at(1.0)) < 1e-14 and abs(run["my.p"].at(1.0)) < 1e-14
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("quarter", [1, 2, 3])
 def test_time_stepping_along_an_axis_but_for_rounding(quarter: int) -> None:
     """Directions by cosines: across the way is 1e-16 of the speed (HB-J121 in one of twelve)."""

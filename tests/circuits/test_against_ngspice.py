@@ -35,7 +35,7 @@ def result(compared, case):
     return known[case.name]
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_means_agree_to_half_a_percent(compared, case):
     found = result(compared, case)
@@ -45,6 +45,7 @@ def test_means_agree_to_half_a_percent(compared, case):
         assert ours == pytest.approx(theirs, rel=5e-3)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("case", SWITCHED, ids=lambda case: case.name)
 def test_diodes_switch_within_a_thousandth_of_a_period(compared, case):
     for diode, (ours, theirs) in result(compared, case).instants.items():
@@ -115,7 +116,7 @@ QUICK = (
 """All are in docs/circuits.md; these take ngspice less than a second each."""
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name",
     # twice six pulses are the same diodes, behind a transformer, and take four times as long

@@ -101,6 +101,7 @@ def test_what_is_no_table_is_refused(tmp_path: Path, row: str, code: str, why: s
 VARISTOR = ["V1 s 0 SIN(0 100 50)", "R1 s b 10", "L9 b a 1m", "B1 a 0 I=1e-3*v(a)*abs(v(a)/40)^5"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("beside", [(), ("C9 a 0 10n",)])
 def test_a_varistor_behind_a_coil_needs_nothing_beside_it(
     tmp_path: Path, beside: tuple[str, ...]

@@ -42,6 +42,7 @@ LAWS = {
 """A law, and the voltage that it has at a current."""
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_surge_law_behind_a_coil_is_not_refused(tmp_path: Path, law: str) -> None:
     run, conversion = converted(tmp_path, law)

@@ -114,6 +114,7 @@ def test_coils_of_a_core_stand_side_by_side_with_bars_between_and_dots_that_agre
             assert not any(box.cut(piece) for piece in itertools.pairwise(way))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", EACH)
 def test_sources_stand_with_plus_up_and_the_ground_is_at_the_bottom(name: str, folder: str) -> None:
     _, groups = drawn(name, folder)

@@ -50,13 +50,13 @@ def cases(paths):
     ]
 
 
-@pytest.mark.sampled(19)
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("path", cases(drawn.EXAMPLES))
 def test_examples_are_drawn_without_a_flaw(path: Path) -> None:
     checked(path)
 
 
-@pytest.mark.sampled(11)
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("path", cases(CIRCUITS))
 def test_circuits_are_drawn_without_a_flaw(path: Path) -> None:
     checked(path)

@@ -82,7 +82,7 @@ def assert_alike(library: hb.Result, python: hb.Result, *, bits: bool = BITS) ->
     assert_same_states(library, python, 1e-8)
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(8)
 @pytest.mark.usefixtures("native")
 @pytest.mark.parametrize("name", CASES)
 def test_an_example_runs_as_by_the_library(name: str) -> None:

@@ -54,6 +54,7 @@ def met(masses: tuple[float, ...], pull: float, after: float) -> tuple[float, fl
     return t + wait + after, 1.0 + v * after + pull * after**2 / 2.0
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("pull", [0.0, 9.81])
 @pytest.mark.parametrize(

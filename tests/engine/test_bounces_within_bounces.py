@@ -26,6 +26,7 @@ def pile(
     return m
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(
     ("lower", "upper", "lift", "weight", "restitution"),

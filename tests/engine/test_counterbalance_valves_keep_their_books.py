@@ -32,6 +32,7 @@ def circuit(hose: str) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("hose", ["150 bar", "200 bar"])
 def test_no_step_loses_more_than_its_tolerance(hose: str) -> None:
     """Up to 2.5 times as much was lost, five times in a third of a second."""

@@ -260,6 +260,7 @@ def beside_many(many: int, turned: bool) -> str:
     return "hybond = 1\n[elements]\n" + "\n".join(parts) + f"\n[graph]\nbonds = [{listed}]\n"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("turned", [False, True])
 def test_eighty_that_settle_together_block_once_a_period(turned: bool) -> None:
     run = hb.simulate(hb.loads(beside_many(80, turned)), until=0.04)

@@ -127,6 +127,7 @@ def test_a_loss_that_is_missing_from_the_rates(monkeypatch: pytest.MonkeyPatch) 
     assert run.trace.unsound[0].place == "c"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("rtol", [1e-6, 1e-10])
 def test_a_law_that_is_flat_at_zero_lets_no_charge_grow(rtol: float) -> None:
     """The charge was -1e24 C at the end: rounding behind the root was measured without bound.

@@ -104,6 +104,7 @@ def test_outlets_beside_each_other_and_behind_a_check_valve(solver: str) -> None
     assert run["valve.f"].at(TIMES) == pytest.approx(0.1 * TIMES**2, rel=1e-6)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("inflow", ["2", "2*time^2"])
 def test_tanks_in_a_row(inflow: str, solver: str) -> None:

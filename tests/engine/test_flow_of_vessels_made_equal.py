@@ -119,6 +119,7 @@ def beside(many: int) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["radau", "auto"])
 def test_it_is_so_beside_seventy_others(solver: str) -> None:
     """It was off by its own size and 14 times that: of more than 64 states nothing was found."""

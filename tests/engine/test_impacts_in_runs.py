@@ -269,6 +269,7 @@ def test_springs_that_never_come_to_an_end():
 # -- exported, and from the file
 
 
+@pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("law", ["poisson", "lzb_hertz"])
 def test_a_program_has_the_law(law, tmp_path):

@@ -326,6 +326,7 @@ def by_sign_of_the_gap(e: Any, s: Any, p: Any, h: float, _: Any) -> None:
             s.restitution[k] = 0.0
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("case", ROWS)
 def test_time_stepping_that_leaves_out_who_touches_but_for_rounding(
     monkeypatch: pytest.MonkeyPatch, case: str

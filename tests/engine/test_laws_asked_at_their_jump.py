@@ -67,6 +67,7 @@ def test_sources_that_part_are_said_to_whatever_friction_does_there() -> None:
         assert found.value.code == "HB-C101"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 def test_a_flow_that_a_source_is_part_of_is_held_in_any_order(solver: str) -> None:
     """The valve takes all that the source gives: what is left for friction is nothing.

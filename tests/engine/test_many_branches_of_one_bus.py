@@ -108,6 +108,7 @@ def parts_met(model: hb.Model) -> int:
     return e.work.power.cells + e.work.built.cells
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "made",
     [

@@ -40,6 +40,7 @@ def test_a_mode_of_a_rod_decays(back: bool) -> None:
     assert found.mean() == pytest.approx(2.0, rel=1e-12)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 def test_a_rod_that_radiates(solver: str) -> None:
     """Beside another tool, which has the equations of the rod as finite volumes."""

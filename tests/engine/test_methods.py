@@ -206,6 +206,7 @@ def test_a_method_that_there_is_not_is_refused() -> None:
 # -- in exports
 
 
+@pytest.mark.sampled(2)
 @needs_c
 @pytest.mark.parametrize(
     ("name", "options"),

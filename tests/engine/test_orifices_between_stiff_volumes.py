@@ -50,6 +50,7 @@ def orifice_beside_a_pipe(law: str) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 def test_flow_that_touches_zero_is_passed(solver: str) -> None:
     run = hb.simulate(check_valve_whose_flow_touches_zero(), until=0.05, solver=solver)
@@ -65,6 +66,7 @@ def test_flow_that_touches_zero_is_passed(solver: str) -> None:
     assert run.stats["steps"] < 3000
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "law",
     [

@@ -151,6 +151,7 @@ def moved(until: float) -> np.ndarray:
     ]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("method", ["auto", "radau"])
 def test_a_chamber_that_begins_level_with_the_air_stays_so(method: str) -> None:
     # one digit of the last place above it

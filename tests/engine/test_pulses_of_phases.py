@@ -114,6 +114,7 @@ def test_the_charge_of_each_pulse_of_a_phase_arrives(phase: str, *, back: bool) 
     assert hb.simulate(m, 1.0).final[q] == pytest.approx(charge, rel=2e-5)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("back", [False, True])
 @pytest.mark.parametrize("solver", ["rk45", "radau", "exact", "auto"])
 @pytest.mark.parametrize("pulsed", PULSED)

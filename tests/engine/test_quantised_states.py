@@ -404,6 +404,7 @@ def test_examples_agree_with_runge_kutta(example: str, name: str, rtol: float) -
 # -- in exports
 
 
+@pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize(
     ("example", "name"),

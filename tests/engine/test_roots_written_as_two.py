@@ -47,6 +47,7 @@ def test_vessels_are_level_and_nothing_flows(law: str, solver: str) -> None:
     assert run.stats["steps"] < 100
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 def test_a_row_of_them_comes_to_rest(solver: str) -> None:
     """Flows at rest were 1e-6 of what there was, for ever, after 2,500 steps."""

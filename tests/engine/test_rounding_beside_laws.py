@@ -44,6 +44,7 @@ def test_a_thyristor_bridge_commutates_where_voltages_cross() -> None:
         assert mean == pytest.approx(PEAK * 100, rel=1e-6), way.name
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 def test_what_breaks_loose_at_its_limit_is_not_decided_by_dust(solver: str) -> None:
     """The limit is a force of contact, found from differences to ten digits and watched to twelve.

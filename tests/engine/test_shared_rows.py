@@ -58,6 +58,7 @@ def cells(many: int) -> hb.Model:
     return hb.loads("\n".join(lines))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["rk45", "auto"])
 def test_states_of_a_large_model_are_those_of_its_small_parts(solver: str) -> None:
     """The parts have no more in common than a source; one part is a small model."""

@@ -47,6 +47,7 @@ def test_an_onlooker_ends_a_slice_that_has_no_end(law: str) -> None:
     assert 0.0 < run.t < 1e9
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", [427293, 910287])
 def test_laws_without_a_solution_are_refused_at_once(seed: int) -> None:
     """Sources that jump by rounding, and edges that lead nowhere, began anew without end.

@@ -6,6 +6,7 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 from engine.by_engine import ENGINE
@@ -143,8 +144,8 @@ def in_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     main = "public static void main(String[] words) { " + "\n".join(calls) + " }"
     (folder / "All.java").write_text(f"final class All {{ {main} }}\n", encoding="utf-8")
     sources = map(str, sorted(folder.glob("*.java")))
-    subprocess.run(["javac", "-Xlint:all", "-Werror", "-d", str(folder), *sources], check=True)
-    return dict(zip(KINDS, ask("java", "-cp", folder, "All").split("\f")))
+    subprocess.run([*needs.JAVAC, "-Xlint:all", "-Werror", "-d", str(folder), *sources], check=True)
+    return dict(zip(KINDS, ask(*needs.JAVA, "-cp", folder, "All").split("\f")))
 
 
 def hold(make: Callable[[], hb.Model], until: float, said: Said) -> None:
@@ -164,6 +165,7 @@ def test_a_java_class_slides_as_well(name: str, in_java: dict[str, str]) -> None
     hold(make, until, read_events(in_java[name]))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.c
 @pytest.mark.parametrize("name", list(KINDS))
 def test_a_c_program_slides_as_well(name: str, tmp_path: Path) -> None:

@@ -103,6 +103,7 @@ def held(monkeypatch: pytest.MonkeyPatch, found: list[int]) -> None:
     monkeypatch.setattr(radau_slopes, "take_together", checked)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", list(MODELS))
 def test_a_model_of_many_states(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found: list[int] = []
@@ -112,6 +113,7 @@ def test_a_model_of_many_states(name: str, monkeypatch: pytest.MonkeyPatch) -> N
     assert all(2 * groups <= MANY + 6 for groups in found)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_models(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """However few states they have."""

@@ -119,7 +119,7 @@ def test_a_java_class_makes_the_same_steps(tmp_path: Path) -> None:
     source = tmp_path / "Ball.java"
     source.write_text(to_java(ball(), name="Ball", until=1.0, solver="moreau-jean", step=H))
     said = subprocess.run(
-        ["java", source, "--events"], check=True, capture_output=True, text=True
+        [*needs.JAVA, source, "--events"], check=True, capture_output=True, text=True
     ).stdout
     run = stepped(ball(), 1.0)
     for name, value in read(said).items():

@@ -1,5 +1,6 @@
 """Volumes of oil whose steps crept, though a shut valve beside them does nothing at all."""
 
+import functools
 import math
 
 import numpy as np
@@ -42,6 +43,7 @@ def beside_a_shut_valve(valve: str, turned: bool, first: bool) -> hb.Model:
     return m
 
 
+@functools.cache
 def apart_at(t: float) -> float:
     """Return the pressure at the orifice, of a smooth root u: 2 u u' = pumped/LARGE - u K/both."""
     both = SMALL * LARGE / (SMALL + LARGE)

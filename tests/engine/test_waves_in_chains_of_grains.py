@@ -23,6 +23,7 @@ def grains(many: int, law: str) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("many", "law", "most"),
     [

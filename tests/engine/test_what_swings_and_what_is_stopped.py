@@ -66,6 +66,7 @@ def filled(*, dual: bool, turned: bool, k: float, c: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("dual", "turned", "k", "c"),
     [

@@ -54,8 +54,8 @@ def printed_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     (folder / "All.java").write_text(f"final class All {{ {main} }}\n", encoding="utf-8")
     sources = map(str, sorted(folder.glob("*.java")))
     lint = ["-Xlint:all", "-Werror", "-d", str(folder)]
-    subprocess.run(["javac", *lint, *sources], check=True)
-    return dict(zip(IN_JAVA, ask("java", "-cp", folder, "All").split("\f")))
+    subprocess.run([*needs.JAVAC, *lint, *sources], check=True)
+    return dict(zip(IN_JAVA, ask(*needs.JAVA, "-cp", folder, "All").split("\f")))
 
 
 @needs_c

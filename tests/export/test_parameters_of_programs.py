@@ -7,6 +7,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import needs
 import pytest
 from export.programs import (
     Said,
@@ -87,6 +88,7 @@ WAVES = [
 ]
 
 
+@pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("solver", ["exact", "auto"])
 def test_amplitudes_of_what_is_propagated_are_parameters(solver: str, tmp_path: Path) -> None:
@@ -245,9 +247,9 @@ def test_a_class_with_other_parameters(tmp_path: Path) -> None:
     (tmp_path / "All.java").write_text(text, encoding="utf-8")
     sources = map(str, sorted(tmp_path.glob("*.java")))
     lint = ["-Xlint:all", "-Werror", "-d", str(tmp_path)]
-    subprocess.run(["javac", *lint, *sources], check=True)
+    subprocess.run([*needs.JAVAC, *lint, *sources], check=True)
     done = subprocess.run(
-        ["java", "-cp", tmp_path, "All"], capture_output=True, text=True, check=True
+        [*needs.JAVA, "-cp", tmp_path, "All"], capture_output=True, text=True, check=True
     )
     said = done.stdout.split("\f")
     for k, (name, model) in enumerate(models.items()):

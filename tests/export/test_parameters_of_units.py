@@ -79,6 +79,7 @@ def test_parameters_are_declared(fmi: str, tmp_path: Path) -> None:
     assert about["tau"].description == "R*C"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 def test_starts_and_inputs_follow(fmi: str, tmp_path: Path) -> None:
     """An input that nobody sets begins where the parameter puts it; a run forgets the last one."""
@@ -107,6 +108,7 @@ def test_starts_and_inputs_follow(fmi: str, tmp_path: Path) -> None:
         assert found["c.q"] == pytest.approx(run["c.q"].at(times), rel=1e-7)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 def test_a_value_that_makes_another_model_is_refused(
     fmi: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

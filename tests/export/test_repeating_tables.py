@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 from export.programs import ask, compile_quickly, expected, needs_c, needs_java, read_events
@@ -57,7 +58,7 @@ def test_tables_in_a_c_program(tmp_path: Path) -> None:
 def test_tables_in_a_java_class(tmp_path: Path) -> None:
     path = tmp_path / "Repeating.java"
     hb.export(repeating(), to="java", path=path)
-    said = read_events(ask("java", path, "--events"))
+    said = read_events(ask(*needs.JAVA, path, "--events"))
     for name, q in charges(6.0).items():
         assert said.states[f"{name}.q"] == pytest.approx(q, rel=1e-6)
 

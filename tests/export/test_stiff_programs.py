@@ -7,6 +7,7 @@ from stiff_models import ladder, van_der_pol
 import hybond as hb
 
 
+@pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("make", [van_der_pol, ladder])
 def test_an_exported_program_ends_at_the_same_state(make, tmp_path):

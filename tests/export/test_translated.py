@@ -125,9 +125,9 @@ def said_by_java(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         text = text.replace("private static void report", "static void report")
         (folder / f"{name}.java").write_text(text, "utf-8")
     lint = ["-Xlint:all", "-Werror", "-d", str(folder)]
-    subprocess.run(["javac", *lint, *map(str, sorted(folder.glob("*.java")))], check=True)
+    subprocess.run([*needs.JAVAC, *lint, *map(str, sorted(folder.glob("*.java")))], check=True)
     done = subprocess.run(
-        ["java", "-cp", str(folder), "All"], capture_output=True, text=True, check=True
+        [*needs.JAVA, "-cp", str(folder), "All"], capture_output=True, text=True, check=True
     )
     return dict(zip([p.stem for p in SAMPLES], done.stdout.split("\f")[1:]))
 

@@ -261,6 +261,7 @@ def test_a_fit_without_a_slope_has_not_converged_and_says_why(law: str, free: st
     assert str(found).count("converged") == 1
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("law", "power"), [("k*e", 1.0), ("k*sign(e)*sqrt(abs(e))", 0.5), ("k*e^3", 3.0)]
 )

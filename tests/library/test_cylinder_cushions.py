@@ -30,6 +30,7 @@ def rates(t: float, y: list[float], area_a: float, area_b: float) -> list[float]
     return [v, force / MASS, flow_a, flow_b]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("x", "v"), [(0.04, -V), (STROKE - 0.04, V)])
 def test_a_cushion_brakes_a_cylinder_before_its_end(x: float, v: float) -> None:
     """``"hydraulic.cushioned_cylinder"``: what a chamber gives off passes less and less."""

@@ -29,6 +29,7 @@ def driven(part: hb.Submodel, amperes: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("amperes", [3.0, -3.0])
 def test_the_dead_time_of_a_leg_takes_its_part_of_the_mean_voltage(amperes: float) -> None:
     """Each period both channels are off twice, and once of it the diode of the other rail holds."""

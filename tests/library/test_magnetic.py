@@ -32,6 +32,7 @@ def driven(source: object, R: float = 0.0, **parts: object) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("R", [1.0, 8.0])
 def test_a_coil_on_a_core_is_an_inductance_of_its_turns_squared_times_the_permeance(R):
     """``"magnetic.coil"``, ``"magnetic.core"``, ``"magnetic.ground"``: a step of voltage."""

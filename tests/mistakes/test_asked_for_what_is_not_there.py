@@ -94,7 +94,16 @@ def test_a_name_that_the_package_has_not_is_told_with_what_is_meant(name: str, m
     with pytest.raises(AttributeError, match="did you mean") as caught:
         getattr(hb, name)
     assert meant in str(caught.value)
-    assert not hasattr(hb, "_repr_nothing_")
+
+
+@pytest.mark.parametrize("name", ["__test__", "_repr_nothing_"])
+def test_what_looks_into_every_module_is_told_at_once(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of collecting the tests, a sixth went into searching for what `__test__` may have meant."""
+    monkeypatch.setattr("hybond.names.did_you_mean", None)
+    with pytest.raises(AttributeError, match=f"^module 'hybond' has no attribute '{name}'$"):
+        getattr(hb, name)
 
 
 @pytest.mark.parametrize(

@@ -193,6 +193,7 @@ def test_each_option_stands_in_the_same_words_everywhere() -> None:
     assert set(CALLED) <= vars(words).keys()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", [21098, 32889])
 def test_steps_without_end_of_explicit_methods_name_the_method_that_has_few(seed: int) -> None:
     """What is faster than a step swings across a guard where it rests: that is no event."""

@@ -115,7 +115,7 @@ def test_strokes_follow_the_mode_that_is_shown() -> None:
     assert [m["state"] for m in neither["machines"]] == ["open", "blocks"]
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "file",
     [pytest.param(p, marks=[pytest.mark.slow] * (p.stem in WIDE)) for p in MODELS],

@@ -185,7 +185,7 @@ def three_levels(kind: str, flipped: tuple[bool, ...], *, sugar: bool) -> hb.Mod
     return m
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("kind", ["0", "1"])
 @pytest.mark.parametrize("flipped", list(itertools.product([True, False], repeat=3)))
 def test_a_switched_power_junction_is_controlled_junctions_and_has_its_closed_form(

@@ -182,6 +182,7 @@ def test_a_linear_programme_as_complementarity_agrees_with_highs(seed):
     assert found.z[:9] @ c == pytest.approx(linprog(c, A_ub=-A, b_ub=-b).fun, abs=1e-9)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("wrong", [0, 1, 2])
 def test_a_start_that_is_nearly_right_takes_few_pivots(wrong):
     rng = np.random.default_rng(5)

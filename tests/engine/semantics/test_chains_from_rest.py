@@ -55,6 +55,7 @@ def meant(flow: str, laws: list[str], until: float) -> np.ndarray:
     return np.asarray(run.y[:n, -1], dtype=float)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
 @pytest.mark.parametrize(
     ("flow", "laws"),
@@ -73,6 +74,7 @@ def test_masses_behind_play_begin_to_move(flow: str, laws: list[str], solver: st
     assert run.audit().holds()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
 def test_a_chain_that_a_source_sets_off_by_a_jump_moves(solver: str) -> None:
     """All momentum is what the first spring has given, whose force jumps by 32 N at 0.1 m."""

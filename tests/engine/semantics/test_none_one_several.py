@@ -212,6 +212,7 @@ def row(n: int, apart: float, gap: float, eps: float = 1.0) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("gap", [0.0, 1e-3, 0.0105])
 @pytest.mark.parametrize("apart", [0.1, 0.125, 1.0 / 3.0, 1.0])
 @pytest.mark.parametrize("n", [3, 4, 5])

@@ -269,6 +269,7 @@ def test_an_event_behind_the_end_does_not(guard: str) -> None:
     assert len(hb.simulate(ending(guard, 0.3)).events) == 1
 
 
+@pytest.mark.sampled(2)
 @needs_c
 @pytest.mark.parametrize("guard", AT_END)
 def test_a_program_ends_with_the_same_event(guard: str, tmp_path: Path) -> None:

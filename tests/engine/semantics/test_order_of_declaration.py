@@ -145,6 +145,7 @@ def test_what_two_laws_do_to_each_other_by_rounding_is_nothing(root: bool) -> No
         assert run["k.q"].at(0.4) == pytest.approx(k, rel=1e-6)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("modulus", [8.06, 5.0, 3.0])
 def test_a_valve_that_shuts_at_a_last_place_shuts_in_every_order(modulus: float) -> None:
     """Settled, its guard misses by a last place what the motion has seen: that is gone past."""

@@ -54,6 +54,7 @@ def snubbed(R: float, L: float, r: tuple, c: tuple, load: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("case", SNUBBED)
 def test_snubbers_do_not_let_a_current_grow_without_a_bound(case: tuple) -> None:
     """What a bridge draws is bounded by what its source can drive, with any theta and step.
@@ -138,6 +139,7 @@ RESTS = [
 ]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     "options", [{}, {"solver": "radau"}, {"solver": "moreau-jean", "step": 1e-3}]
 )
