@@ -26,6 +26,10 @@ AT_ONCE: Final = 1e-9
 LEVEL: Final = BELOW
 """What is this near to an edge, as a part of its terms, is there as soon as it comes nearer: of
 many tanks that come to rest together no rounding goes to and fro."""
+CROWDED: Final = 1e-6
+"""Part of the run that is next to none for as many steps, ..."""
+STEPS: Final = 16
+"""... which are at least so many."""
 PASSES: Final = 64
 """Times that it is gone: what is left is 1e-10 of what was, down to nothing."""
 
@@ -98,6 +102,29 @@ def vanish(e: Engine, r: Run) -> bool:
     for i in range(n if changed else 0):
         e.y[i] = r.beside[i]
     return changed
+
+
+def rest_where_steps_crowd(e: Engine, r: Run) -> bool:
+    """Put what is within the error of a step at rest on edges, if steps lead nowhere; whether it is.
+
+    Of levels that are nothing within that error, rounding of a step makes flows to and fro. It is
+    asked less and less often where they do not rest.
+    """
+    if e.model.edges == 0 or e.slide.k > 0:
+        return False
+    s = r.resting
+    s.steps += 1
+    if s.steps < s.waits:
+        return False
+    crowded = e.t - s.since <= CROWDED * e.span
+    refusal = e.refusal
+    rests = crowded and stop_within_error(e, s)
+    e.refusal = refusal
+    r.locator.looked = math.nan
+    s.waits = 2 * s.waits if crowded and not rests else STEPS
+    s.steps = 0
+    s.since = e.t
+    return rests
 
 
 def reach_edge(e: Engine, r: Run, k: int, room: float) -> bool:

@@ -53,7 +53,7 @@ from hybond.engine.planar.stops import begin_slips
 from hybond.engine.run.carried import begin_again, cause_of_beginning, take_up, warm_up
 from hybond.engine.run.contradictions import contradict_behind, meet_contradiction
 from hybond.engine.run.courses_ahead import begin_courses, end_ahead
-from hybond.engine.run.edges import reach_edges
+from hybond.engine.run.edges import reach_edges, rest_where_steps_crowd
 from hybond.engine.run.edges_met import begin_at_edge, go_from_edge, is_at_edge
 from hybond.engine.run.ends_at_kink import ANEW, left_at_end, meet_kink, pass_kink, see_gaps
 from hybond.engine.run.ever_more import outruns, refuse_outrun
@@ -368,6 +368,7 @@ def flow(e: Engine, r: Run) -> int:
             if e.checks.looked == e.t and e.checks.shown_at == e.t:
                 look_at_guards(e)
             rest_at_roots(e, r)
+            rest_where_steps_crowd(e, r)
             if e.slide.parts_now:
                 return LAW
             if see_crawl(e, r) != OK or go_on(e) != OK:
@@ -377,6 +378,8 @@ def flow(e: Engine, r: Run) -> int:
             passed = pass_kink(e, r, at)
             if passed != ANEW:
                 return passed
+            if rest_where_steps_crowd(e, r) and go_on(e) != OK:
+                return -1
             continue
         if is_over_kink(e, g, at):
             passed = meet_kink(e, r, at)

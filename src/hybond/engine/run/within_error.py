@@ -34,6 +34,12 @@ ROUNDED: Final = BELOW
 """Part of what is stored by which it is moved to see what rounding makes of rates."""
 
 
+LEFT: Final = 0
+MOVED: Final = 1
+GONE: Final = 2
+"""What becomes of a state: nothing, a little change, or nothing is left of it."""
+
+
 @record
 class Resting:
     """Room to see what is brought to rest, and by what."""
@@ -49,7 +55,9 @@ class Resting:
     step: LeastStep
     """What is asked of it, and by what part of its error each state is moved for that."""
     allowed: Floats
-    """The error of a step in each state; zero for one that is not moved."""
+    """The error of a step in each state."""
+    way: Ints
+    """Whether each is left as it is, moved, or no more than that error, and brought to nothing."""
     after: Floats
     beside: Floats
     """The state that comes of it, and one beside it."""
@@ -57,6 +65,10 @@ class Resting:
     rate_beside: Floats
     noise: Floats
     """Rates there, and by how much rounding of what is stored moves these."""
+    steps: int
+    waits: int
+    since: float
+    """How many steps there were since it was last asked, after how many it is next, and when."""
 
 
 def make_resting(e: Engine) -> Resting:
@@ -70,11 +82,14 @@ def make_resting(e: Engine) -> Resting:
     s.lead = make_block(1)
     s.step = make_least_step(many, e.states)
     s.allowed = floats(e.states)
+    s.way = ints(e.states)
     s.rate_beside = floats(e.states)
     s.after = floats(e.states)
     s.beside = floats(e.states)
     s.rate = floats(e.states)
     s.noise = floats(e.states)
+    s.waits = 1
+    s.since = -math.inf
     return s
 
 
@@ -82,8 +97,10 @@ def stop_within_error(e: Engine, s: Resting) -> bool:
     """Put what is within the error of a step on the edges of laws, if it stays; whether it does."""
     m = e.model
     widest_tolerance(e, e.y, s.allowed)
-    for j in range(m.storages, e.states):
-        s.allowed[j] = 0.0
+    for j in range(e.states):
+        s.way[j] = LEFT
+        if j < m.storages and s.allowed[j] > 0.0:
+            s.way[j] = GONE if math.fabs(e.y[j]) <= s.allowed[j] else MOVED
     if not see_arguments(e, e.y, s.here, s.size) or not see_leads(e, s):
         return False
     moves = True
@@ -123,7 +140,7 @@ def see_leads(e: Engine, s: Resting) -> bool:
     lead = s.lead.at
     copy_floats(n, e.y, s.beside)
     for j in range(n):
-        way = s.allowed[j]
+        way = s.allowed[j] if s.way[j] != LEFT else 0.0
         s.beside[j] = e.y[j] + way
         if way > 0.0 and not see_arguments(e, s.beside, s.there, None):
             way = -way
@@ -143,7 +160,7 @@ def choose_near(e: Engine, s: Resting) -> bool:
     for k in range(e.model.begins):
         far = 0.0
         for j in range(n):
-            if s.allowed[j] > 0.0:
+            if s.way[j] != LEFT:
                 far += math.fabs(s.lead.at[k * n + j])
         s.near[k] = 1 if far > 0.0 and math.fabs(s.here[k]) <= far else 0
         some = some or s.near[k] != 0
@@ -154,7 +171,8 @@ def bring_near(e: Engine, s: Resting) -> bool:
     """Bring that to nothing by the smallest change, and find rates there; False if they fail."""
     m = e.model
     n = e.states
-    copy_floats(n, e.y, s.after)
+    for j in range(n):
+        s.after[j] = e.y[j] if s.way[j] != GONE else 0.0
     for _ in range(PASSES):
         if not see_arguments(e, s.after, s.there, s.size):
             return False
@@ -167,11 +185,13 @@ def bring_near(e: Engine, s: Resting) -> bool:
             beyond = MIDDLE * s.size[k] if k < m.edges and s.there[k] != 0.0 else 0.0
             s.step.rest[c] = -s.there[k] - beyond
             for j in range(n):
-                s.lead.at[at] = s.lead.at[k * n + j] if s.allowed[j] > 0.0 else 0.0
+                s.lead.at[at] = s.lead.at[k * n + j] if s.way[j] == MOVED else 0.0
                 at += 1
             c += 1
         find_least_step(s.step, c, n, s.lead.at, m.begins * n)
         for j in range(n):
+            if s.way[j] != MOVED:
+                continue
             s.after[j] += s.allowed[j] * s.step.z[j]
             if math.fabs(s.after[j]) <= NOTHING * s.allowed[j]:
                 s.after[j] = 0.0
@@ -197,7 +217,7 @@ def leave_moving(e: Engine, s: Resting) -> bool:
     moves = False
     for j in range(n):
         if s.after[j] != e.y[j] and not math.fabs(s.rate[j]) <= s.noise[j]:
-            s.allowed[j] = 0.0
+            s.way[j] = LEFT
             moves = True
     return moves
 

@@ -209,6 +209,7 @@ def find_stages(
     vain = 0
     best = math.inf
     before = 1.0
+    r.size = 0.0
     for _ in range(corrections):
         if not solve_whole(e, r, rtol, shift):
             return False
@@ -221,8 +222,10 @@ def find_stages(
         tolerance(e, r.y0, r.stage, r.other)
         if e.model.bends > 0.0:
             held_by_law(e, r, r.other)
+        last = r.size
         r.size = mean_size(n, 3, r.left_over.at, r.other)
-        if part == 1.0 and r.size <= enough:
+        # from where a slope is all but without bound corrections are next to nothing, and grow
+        if part == 1.0 and r.size <= enough and r.size <= LESS * last:
             end_stages(r)
             e.refusal = refusal
             return True
