@@ -105,7 +105,7 @@ def vanish(e: Engine, r: Run) -> bool:
 
 
 def rest_where_steps_crowd(e: Engine, r: Run) -> bool:
-    """Put what is within the error of a step at rest on edges, if steps lead nowhere; whether it is.
+    """Put what is within the error of a step at rest on edges where steps crowd; whether it is.
 
     Of levels that are nothing within that error, rounding of a step makes flows to and fro. It is
     asked less and less often where they do not rest.

@@ -97,21 +97,45 @@ def stop_within_error(e: Engine, s: Resting) -> bool:
     """Put what is within the error of a step on the edges of laws, if it stays; whether it does."""
     m = e.model
     widest_tolerance(e, e.y, s.allowed)
-    for j in range(e.states):
-        s.way[j] = LEFT
-        if j < m.storages and s.allowed[j] > 0.0:
-            s.way[j] = GONE if math.fabs(e.y[j]) <= s.allowed[j] else MOVED
+    for j in range(m.storages, e.states):
+        s.allowed[j] = 0.0
     if not see_arguments(e, e.y, s.here, s.size) or not see_leads(e, s):
         return False
+    if not (rests_with_all(e, s) or is_filled_from_edge(e, s)):
+        return False
+    copy_floats(e.states, s.after, e.y)
+    return True
+
+
+def rests_with_all(e: Engine, s: Resting) -> bool:
+    """Whether what is moved stays, be it brought to nothing or not; what would not, is left."""
+    for j in range(e.states):
+        gone = math.fabs(e.y[j]) <= s.allowed[j]
+        s.way[j] = LEFT if s.allowed[j] == 0.0 else GONE if gone else MOVED
     moves = True
     while moves:
         if not choose_near(e, s) or not bring_near(e, s):
             return False
         moves = leave_moving(e, s)
-    if not is_put_on_edge(e, s):
+    return is_put_on_edge(e, s)
+
+
+def is_filled_from_edge(e: Engine, s: Resting) -> bool:
+    """Whether what is moved by as little as can be is drawn beyond no edge; it may be filled."""
+    for j in range(e.states):
+        s.way[j] = MOVED if s.allowed[j] > 0.0 else LEFT
+    if not choose_near(e, s) or not bring_near(e, s):
         return False
-    copy_floats(e.states, s.after, e.y)
-    return True
+    see_noise(e, s)
+    for k in range(e.model.edges):
+        speed = 0.0
+        for j in range(e.states):
+            if s.near[k] != 0 and s.allowed[j] > 0.0:
+                lead = s.lead.at[k * e.states + j] / s.allowed[j]
+                speed += lead * s.rate[j] + math.fabs(lead) * s.noise[j]
+        if not speed >= 0.0:
+            return False
+    return is_put_on_edge(e, s)
 
 
 def see_arguments(e: Engine, y: Floats, here: Floats, size: Floats | None) -> bool:
@@ -140,7 +164,7 @@ def see_leads(e: Engine, s: Resting) -> bool:
     lead = s.lead.at
     copy_floats(n, e.y, s.beside)
     for j in range(n):
-        way = s.allowed[j] if s.way[j] != LEFT else 0.0
+        way = s.allowed[j]
         s.beside[j] = e.y[j] + way
         if way > 0.0 and not see_arguments(e, s.beside, s.there, None):
             way = -way
@@ -202,6 +226,17 @@ def bring_near(e: Engine, s: Resting) -> bool:
 
 def leave_moving(e: Engine, s: Resting) -> bool:
     """Leave as it was what moves on from there all the same; whether there is any."""
+    see_noise(e, s)
+    moves = False
+    for j in range(e.states):
+        if s.after[j] != e.y[j] and not math.fabs(s.rate[j]) <= s.noise[j]:
+            s.way[j] = LEFT
+            moves = True
+    return moves
+
+
+def see_noise(e: Engine, s: Resting) -> None:
+    """See by how much rounding of what is stored moves rates."""
     n = e.states
     for i in range(n):
         s.noise[i] = 0.0
@@ -214,12 +249,6 @@ def leave_moving(e: Engine, s: Resting) -> bool:
             for i in range(n):
                 s.noise[i] += math.fabs(s.rate_beside[i] - s.rate[i])
         s.beside[j] = s.after[j]
-    moves = False
-    for j in range(n):
-        if s.after[j] != e.y[j] and not math.fabs(s.rate[j]) <= s.noise[j]:
-            s.way[j] = LEFT
-            moves = True
-    return moves
 
 
 def is_put_on_edge(e: Engine, s: Resting) -> bool:

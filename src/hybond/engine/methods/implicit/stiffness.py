@@ -164,18 +164,33 @@ def fastest_here(e: Engine) -> float:
             break
         for k in range(n):
             v[k] /= size
-            s.trial[k] = s.y[k] + v[k]
-        if field(e, e.mode, s.t, s.trial, s.rate) != OK:
+        # beside an edge of a law there may be values on one side alone
+        side = side_with_rates(e, v)
+        if side == 0.0:
             found = 0.0
             break
         for k in range(n):
-            v[k] = s.rate[k] - s.f[k] if s.scale[k] > 0.0 and s.scale[k] < math.inf else 0.0
+            seen = s.scale[k] > 0.0 and s.scale[k] < math.inf
+            v[k] = side * (s.rate[k] - s.f[k]) if seen else 0.0
         if i >= ASKED - TELLS:
             found *= error_norm(n, v, s.scale)
     give_back_guess(e, e.mode)
     e.evaluations = asked
     e.refusal = refusal
     return math.pow(found, 1.0 / float(TELLS)) if found < math.inf else 0.0
+
+
+def side_with_rates(e: Engine, v: Floats) -> float:
+    """Find the rates a way `v` on from the present state, or back; return 1, -1 or 0 if none."""
+    s = e.step
+    side = 1.0
+    for _ in range(2):
+        for k in range(e.states):
+            s.trial[k] = s.y[k] + side * v[k]
+        if field(e, e.mode, s.t, s.trial, s.rate) == OK:
+            return side
+        side = -side
+    return 0.0
 
 
 def fastest(e: Engine) -> float:
