@@ -130,10 +130,24 @@ def choose(e: Engine, state: Ints) -> None:
     found = found and enter(e, e.t, s.choose_x, s.choose_s, state, True, False) == OK
     # where no branches stand, those that it has go on
     add_branches(m, s, e.trial.state if found else state)
+    for port in range(m.ports):
+        if s.barred[port] != 0:
+            let_go(e, s.branches - 1, port)
     s.many = many
     s.k = k
     s.parts = parts
     e.laws.sweep = sweep
+
+
+def let_go(e: Engine, row: int, k: int) -> None:
+    """Let the law of port k carry nothing in the branches of a row."""
+    m = e.model
+    machine = m.port_machine[k]
+    for state in range(m.state_first[machine + 1] - m.state_first[machine]):
+        at = m.state_first[machine] + state
+        if m.on_first[at + 1] == m.on_first[at]:
+            e.slide.branch.at[row * m.machines + machine] = state
+            return
 
 
 def note_entry(e: Engine, state: Ints) -> None:
