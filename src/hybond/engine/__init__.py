@@ -219,6 +219,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         laws_held, another, guards_held    put back into themselves
         rates_apart         flows that are not what storages were moved by
         lost_between        what laws lose between the ends of steps
+        means_held          laws of one side on the mean of fast switching
         bounds_held, energy_held    values that outgrow all bounds; energy that comes from nowhere
         shown, check_records    as read from outside; what was found
     looking/

@@ -133,6 +133,8 @@ def decide_collapsed(e: Engine) -> int:
     s.met = 1
     s.met_surface[0] = surface
     decided = decide(e)
+    if decided == A_WAY and s.best[0] == SLIDES and first_to_pull(e) != NONE_PULLS:
+        decided = decide_by_means(e, 1)
     if decided == A_WAY and s.best[0] == SLIDES:
         return COLLAPSES
     take_back(e)
