@@ -180,8 +180,12 @@ def error_of(
             laws = [w.node for m in graph.machines if m.law is not None for w in m.law.junctions]
             path = graph.nodes[laws[port]].path
             texts = ", ".join(explain.surfaces[k].text for k in surfaces)
-            why = f"to slide along {texts} {now} the law of {path!r} would have to pull on the mean"
-            said = Said(f"{why} of fast switching, and no other way on was found", path)
+            why = (
+                f"to slide along {texts} {now} the law of {path!r} would have to carry, on the mean"
+            )
+            said = Said(
+                f"{why} of fast switching, what it cannot, and no other way on was found", path
+            )
         case _:
             said = said_of(refusal, graph, explain, fault.mode) or said
     hint = said.hint or HINTS.get(code, "")

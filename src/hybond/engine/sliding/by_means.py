@@ -17,9 +17,9 @@ from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.from_edge import slides_on_some, take_first_met
 from hybond.engine.sliding.ways_on import A_WAY, STOPS
 from hybond.engine.surfaces.blend import average
+from hybond.engine.surfaces.corners import put_coefficients
 from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
 from hybond.engine.surfaces.outputs import put_ahead, show_state, stride
-from hybond.engine.words import Floats
 
 MOST: Final = 32
 """Changes of what lets go, at the most: no law lets go and takes hold so often."""
@@ -41,14 +41,14 @@ def decide_by_means(e: Engine, met: int) -> int:
             end_bars(e)
             s.from_edge = True
             return A_WAY
-        s.barred[wrong] = 1 - s.barred[wrong]
+        s.barred[wrong] = 0 if s.barred[wrong] != 0 else -1 if s.push[wrong] < 0.0 else 1
         choose_anew(e)
         decided = decide_led(e) if take_first_met(e, met) == OK else STOPS
     end_bars(e)
     choose_anew(e)
     if decided == STOPS or (decided == A_WAY and not slides_on_some(e)):
         return decided
-    say_fault(e, "HB-N417", "a law of one side would pull on the mean of fast switching", "")
+    say_fault(e, "HB-N417", "a law would carry on the mean of fast switching what it cannot", "")
     if m.tells != 0:
         add_fact(e.fault, float(pulls))
         for j in range(s.k):
@@ -67,6 +67,8 @@ def first_wrong(e: Engine) -> int:
     m = e.model
     s = e.slide
     pulls = first_to_pull(e)
+    put_coefficients(s, s.best_weight, s.coefficient)
+    s.known = False
     average(e, e.states, s.part_rate, s.rate)
     for k in range(m.ports):
         if s.barred[k] != 0 and is_driven(e, k):
@@ -81,18 +83,25 @@ def is_driven(e: Engine, k: int) -> bool:
     step = stride(e, s.v, s.rate, 0)
     if put_ahead(e, s.v, s.rate, 0, step) != OK:
         return True
-    there = net_of(e, k, s.ahead, False)
-    size = net_of(e, k, s.ahead, True)
+    moved = motion_of(e, k, False)
+    size = motion_of(e, k, True)
     if put_ahead(e, s.v, s.rate, 0, 0.0) != OK:
         return True
-    return not there - net_of(e, k, s.ahead, False) <= DRIVEN * size
+    moved -= motion_of(e, k, False)
+    if e.model.port_two_sided[k] != 0:
+        moved *= -float(s.barred[k])
+    return not moved <= DRIVEN * size
 
 
-def net_of(e: Engine, k: int, v: Floats, sized: bool) -> float:
-    """Return the net variable of port k, or what the magnitudes of its terms add up to."""
+def motion_of(e: Engine, k: int, sized: bool) -> float:
+    """Return what the law of port k does not carry, at the values ahead: how fast friction slips.
+
+    Or what the magnitudes of its terms add up to.
+    """
     m = e.model
+    row = 2 * k + 1 if m.port_two_sided[k] == 0 else 2 * k
     total = 0.0
-    for i in range(m.pair_first[2 * k + 1], m.pair_first[2 * k + 2]):
-        term = m.pair_value[i] * v[m.bond_slot + m.pair_column[i]]
+    for i in range(m.pair_first[row], m.pair_first[row + 1]):
+        term = m.pair_value[i] * e.slide.ahead[m.bond_slot + m.pair_column[i]]
         total += math.fabs(term) if sized else term
     return total

@@ -105,8 +105,6 @@ def blend(e: Engine, v: Floats) -> int:
     average(e, 2 * m.bonds, s.solution, s.w)
     average(e, n, s.part_rate, s.rate)
     find_margins(e)
-    for k in range(m.ports):
-        s.push_size[k] = 0.0
     put_law_margins(e)
     s.at[0] = v[0]
     copy_part(m.storages, v, m.stored_slot, s.at, 1)

@@ -48,11 +48,12 @@ class Slide:
     area_size: Block
     """The size of the terms that made each area."""
     reached: Ints
-    """Of each port: whether its law is of one side and carries impulses: law_means.py."""
+    """Of each port: whether its law carries impulses: law_means.py."""
+    push: Floats
     push_size: Floats
-    """The size of the terms that made what each law carries."""
+    """What each law carries on the mean, and the size of the terms that made it."""
     barred: Ints
-    """Of each port: whether its law carries nothing in any branch chosen: by_means.py."""
+    """Of each port: 0, or the side on which its law lets go in all branches chosen: by_means.py."""
     # the branches of junction laws in the modes around: branches.py
     branches: int
     branch: Places
@@ -250,6 +251,7 @@ def make_slide(m: Model) -> Slide:
     s.total = make_block(1)
     s.area_size = make_block(1)
     s.reached = ints(m.ports)
+    s.push = floats(m.ports)
     s.push_size = floats(m.ports)
     s.barred = ints(m.ports)
     s.freedom = make_block(1)
