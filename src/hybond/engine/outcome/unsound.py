@@ -21,7 +21,7 @@ FIRES = "the guard holds, and fires:"
 ONE_INSTANT = "what begins to hold within one instant fires in it:"
 MOVES = "what is stored moves by the rate that is shown"
 IMPACTS = "the law of impacts that was asked for"
-MEANS = "on the mean of fast switching, too, a law carries no more than it can"
+MEANS = "what it carries on the mean of fast switching"
 LOOP = (
     "give the loop what it has been idealised of: a small C or I where it feeds back, or a machine "
     "of two states for a comparator"
