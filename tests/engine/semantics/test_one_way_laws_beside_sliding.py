@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 import hybond as hb
 from hybond.engine.guards import watching
-from hybond.engine.sliding import by_means, sliding
+from hybond.engine.sliding import by_means
 
 SOLVERS = ("auto", "radau", "rk45")
 LEADS = "3*sin(1.5*time)"
@@ -277,7 +277,6 @@ def test_a_run_whose_law_pulls_on_the_mean_is_unsound(monkeypatch: pytest.Monkey
 
 def test_a_law_for_which_no_way_on_is_found_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(by_means, "MOST", 0)
-    assert sliding.decide_by_means is by_means.decide_by_means
     model, *_ = pushed("clutch")
     with pytest.raises(hb.HybondError, match=r"HB-N417 at law: .* along first\.f = ref") as refused:
         hb.simulate(model, until=1.6, engine="python")
