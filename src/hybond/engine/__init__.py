@@ -96,6 +96,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     surfaces/
         surface, reads, corners    surfaces, what they read; the modes around, corner by corner
         combine, blend, common_space    their combination, and what it is held to
+        law_means           laws of one side push on the mean, too
         branch_table, slide_records    branches of laws in them; what is written
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
@@ -198,6 +199,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     sliding/
         sliding, what_happened, met    after an event: which machines slide from there
         ways_on, filippov, crossings, additive, from_edge, ways_told    how the state goes on
+        by_means            ... where laws would pull on the mean
         chatter             where fast switching leads what follows
         around, going_on    modes on both sides, tried; what goes on sliding, or leaves
     contacts/
@@ -217,6 +219,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         laws_held, another, guards_held    put back into themselves
         rates_apart         flows that are not what storages were moved by
         lost_between        what laws lose between the ends of steps
+        means_held          laws of one side on the mean of fast switching
         bounds_held, energy_held    values that outgrow all bounds; energy that comes from nowhere
         shown, check_records    as read from outside; what was found
     looking/

@@ -27,7 +27,7 @@ def slide() -> Slide:
 def ways(slide: Slide, a: np.ndarray, b: np.ndarray) -> tuple[int, np.ndarray, np.ndarray | None]:
     """Return how many ways there are for ``dg/dt = a + B w``, one, and what pivoting finds."""
     k = len(a)
-    model = SimpleNamespace(storages=k, integrals=0, bonds=0, laws=0)
+    model = SimpleNamespace(storages=k, integrals=0, bonds=0, laws=0, ports=0)
     fit_slide(model, slide, MOST, MOST + 1)
     slide.k, slide.product, slide.parts = k, False, k + 1
     slide.part_speed[: k * (k + 1)] = np.vstack([a, a + b.T]).ravel().tolist()

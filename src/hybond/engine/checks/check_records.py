@@ -150,6 +150,7 @@ def make_checks(m: Model) -> Checks:
         + m.elements
         + 3 * m.storages
         + m.elements
+        + m.ports
     )
     c.root = ints(m.bonds)
     c.reached = ints(m.bonds)

@@ -34,7 +34,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     g.watched = e.mode_at
     g.watched_made = e.mode.made
     kinks = m.kinks + m.surface_jump_first[m.surfaces]
-    fit_locator(g, several * rules + rests + 2 * s.k + kinks, atoms + 2 * s.k + kinks)
+    margins = 2 * s.k + m.ports
+    fit_locator(g, several * rules + rests + margins + kinks, atoms + margins + kinks)
     g.guards = 0
     g.atoms = 0
     read_nothing(m, g.reads)
@@ -103,10 +104,11 @@ def watch_slide(e: Engine, g: Locator) -> None:
                 g.pair[g.guards] = m.rest_pair[p]
                 g.test[g.guards] = m.rest_test[p]
                 end_guard(g, m.rest_atom[p], m.rest_atom[p + 1])
-    for margin in range(2 * s.k):
-        begin_guard(g, NONE, ALL_PARTS)
-        g.margin[g.guards] = margin
-        end_guard(g, NONE - margin, NONE - margin + 1)
+    for margin in range(2 * s.k + (m.ports if s.common else 0)):
+        if margin < 2 * s.k or s.reached[margin - 2 * s.k] != 0:
+            begin_guard(g, NONE, ALL_PARTS)
+            g.margin[g.guards] = margin
+            end_guard(g, NONE - margin, NONE - margin + 1)
     for part in range(s.parts if m.laws > 0 or m.followers > 0 else 0):
         for k in range(m.machines):
             there = m.is_law[k] != 0 or is_led(m, s, k)

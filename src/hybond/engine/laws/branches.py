@@ -19,6 +19,9 @@ from hybond.engine.surfaces.corners import count_corners, put_corner
 from hybond.engine.surfaces.followers import let_follow
 from hybond.engine.words import Floats, Ints
 
+FORWARD: Final = 1
+BACKWARD: Final = 2
+"""States of friction that slips."""
 MOST: Final = 64
 """Modes passed through one after another, at the most, whose branches are chosen."""
 
@@ -130,10 +133,27 @@ def choose(e: Engine, state: Ints) -> None:
     found = found and enter(e, e.t, s.choose_x, s.choose_s, state, True, False) == OK
     # where no branches stand, those that it has go on
     add_branches(m, s, e.trial.state if found else state)
+    for port in range(m.ports):
+        if s.barred[port] != 0:
+            let_go(e, s.branches - 1, port)
     s.many = many
     s.k = k
     s.parts = parts
     e.laws.sweep = sweep
+
+
+def let_go(e: Engine, row: int, k: int) -> None:
+    """Let the law of port k carry nothing in the branches of a row, or friction slip."""
+    m = e.model
+    machine = m.port_machine[k]
+    go = -1
+    for state in range(m.state_first[machine + 1] - m.state_first[machine]):
+        at = m.state_first[machine] + state
+        if go < 0 and m.on_first[at + 1] == m.on_first[at]:
+            go = state
+    if m.port_two_sided[k] != 0:
+        go = FORWARD if e.slide.barred[k] > 0 else BACKWARD
+    e.slide.branch.at[row * m.machines + machine] = go
 
 
 def note_entry(e: Engine, state: Ints) -> None:

@@ -73,6 +73,7 @@ HINTS = {
     "HB-N408": "tighten rtol, or take solver = 'rk45'",
     "HB-N415": "give the comparator that switches it a band, y > 0.01 and y < -0.01, or run with "
     'sliding = "hysteresis" and its half width, hysteresis = 0.01',
+    "HB-N417": 'run with sliding = "hysteresis" and its half width, hysteresis = 1e-3',
     "HB-N409": "leave out what is so fast, or raise max_steps",
 }
 SMALL_STEPS = ("HB-N201", "HB-N409")
@@ -174,6 +175,17 @@ def error_of(
                 many = int(refusal.about[1])
                 why = f"steps lead nowhere from t = {refusal.t:.9g} s on: {many} of them{mean}"
             said = Said(why, here)
+        case "HB-N417":
+            port, *surfaces = [int(a) for a in refusal.about]
+            laws = [w.node for m in graph.machines if m.law is not None for w in m.law.junctions]
+            path = graph.nodes[laws[port]].path
+            texts = ", ".join(explain.surfaces[k].text for k in surfaces)
+            why = (
+                f"to slide along {texts} {now} the law of {path!r} would have to carry, on the mean"
+            )
+            said = Said(
+                f"{why} of fast switching, what it cannot, and no other way on was found", path
+            )
         case _:
             said = said_of(refusal, graph, explain, fault.mode) or said
     hint = said.hint or HINTS.get(code, "")

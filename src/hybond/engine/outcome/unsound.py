@@ -10,7 +10,7 @@ from hybond.model.graph import FlatGraph, Node
 from hybond.runs.trace import CREATES, GOES_ON, ONE_SOLUTION, UNBALANCED, Violation
 
 ELEMENT, STORAGE, JUNCTION, UNTOUCHED, UNFIRED, APART, IMPACT = range(7)
-MANY, BALANCE, RATE, CREATED, ENDS = range(7, 12)
+MANY, BALANCE, RATE, CREATED, ENDS, PULLS = range(7, 13)
 """What does not hold: as in `hybond.engine.reasons.noting`."""
 SUMS = {
     "0": "one effort, and flows that add up to zero",
@@ -21,6 +21,7 @@ FIRES = "the guard holds, and fires:"
 ONE_INSTANT = "what begins to hold within one instant fires in it:"
 MOVES = "what is stored moves by the rate that is shown"
 IMPACTS = "the law of impacts that was asked for"
+MEANS = "what it carries on the mean of fast switching"
 LOOP = (
     "give the loop what it has been idealised of: a small C or I where it feeds back, or a machine "
     "of two states for a comparator"
@@ -65,7 +66,7 @@ def _said(graph: FlatGraph, elements: Sequence[int], what: int, index: int) -> t
         return node.path, UNBALANCED if what == BALANCE else CREATES
     if what == RATE:
         return node.path, MOVES
-    own = KEPT if what == UNTOUCHED else IMPACTS if what == IMPACT else _law(node)
+    own = {UNTOUCHED: KEPT, IMPACT: IMPACTS, PULLS: MEANS}.get(what) or _law(node)
     return node.path, own
 
 

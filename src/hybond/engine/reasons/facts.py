@@ -25,6 +25,7 @@ HB-N409    the mean step, s; how many steps lead nowhere, if that is why
 HB-N410    the integrated signal whose rate jumps; nothing if it is another that does
 HB-N412    the machine; the restitution
 HB-N415    the machine; the surfaces slid on
+HB-N417    the port; the surfaces
 """
 
 from __future__ import annotations

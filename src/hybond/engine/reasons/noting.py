@@ -32,6 +32,8 @@ CREATED: Final = 10
 
 ENDS: Final = 11
 """The solution of laws that the motion followed ends: the number of an element that takes part."""
+PULLS: Final = 12
+"""A law of one side pulls on the mean of fast switching: its port."""
 
 
 def note_violation(
@@ -95,4 +97,6 @@ def place_of(e: Engine, what: int) -> int:
         at += m.storages
     if what > CREATED:
         at += m.storages
+    if what > ENDS:
+        at += m.elements
     return at

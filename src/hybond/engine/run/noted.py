@@ -11,6 +11,7 @@ from hybond.engine.checks.energy_held import (
 )
 from hybond.engine.checks.laws_held import look_now_and_then
 from hybond.engine.checks.lost_between import see_between, tell_lost_between
+from hybond.engine.checks.means_held import hold_means
 from hybond.engine.checks.rates_apart import count_rates_apart, tell_rates_apart
 from hybond.engine.contacts.landing import keep_still
 from hybond.engine.engine import OK, REFUSED, Engine
@@ -58,6 +59,7 @@ def note(e: Engine, r: Run, t: float, shown: float) -> int:
     see_between(e)
     count_rates_apart(e)
     look_now_and_then(e)
+    hold_means(e)
     hold_last_rates(e)
     if hold_bounds(e) != OK:
         return REFUSED

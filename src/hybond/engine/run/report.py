@@ -36,6 +36,7 @@ from hybond.engine.reasons.noting import (
     IMPACT,
     MANY,
     MOVES,
+    PULLS,
     STORAGE,
     UNFIRED,
     UNTOUCHED,
@@ -319,6 +320,9 @@ def put_unsound(e: Engine) -> None:
         put_text(stored_name(m, c.index))
     elif c.what == IMPACT:
         put_text("the impact of ")
+        put_text(node_name(m, m.port_node[c.index]))
+    elif c.what == PULLS:
+        put_text("the mean of ")
         put_text(node_name(m, m.port_node[c.index]))
     else:
         put_text("the law of a junction")

@@ -16,11 +16,14 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import ACCUMULATION, Instant, begin_instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.sliding.by_means import decide_by_means
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.filippov import SLIDES
+from hybond.engine.sliding.from_edge import slides_on_some
 from hybond.engine.sliding.going_on import go_on_sliding
 from hybond.engine.sliding.ways_on import A_WAY, STOPS
 from hybond.engine.surfaces.combine import combine_here
+from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
 
 NONE_SLIDES: Final = 0
 SLID: Final = 1
@@ -47,6 +50,8 @@ def slide_at_limit(e: Engine, i: Instant) -> int:
     choose_anew(e)
     know_around(e, e.state)
     decided = decide_led(e)
+    if decided == A_WAY and slides_on_some(e) and first_to_pull(e) != NONE_PULLS:
+        decided = decide_by_means(e, met)
     slid = 0
     for j in range(s.met if decided == A_WAY else 0):
         if s.best[j] == SLIDES:

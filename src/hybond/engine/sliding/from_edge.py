@@ -22,6 +22,7 @@ from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS
 from hybond.engine.surfaces.blend import average, solve_part
 from hybond.engine.surfaces.branch_table import take_branches
 from hybond.engine.surfaces.corners import count_corners, put_coefficients, put_corner
+from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
 from hybond.engine.surfaces.outputs import show_state, stride
 from hybond.engine.words import float_table
 
@@ -98,6 +99,8 @@ def leads_there(e: Engine, at: int) -> bool:
     put_coefficients(s, s.best_weight, s.coefficient)
     average(e, e.states, s.part_rate, s.rate)
     s.known = False
+    if first_to_pull(e) != NONE_PULLS:
+        return False
     copy_part(e.states, s.rate, 0, s.edge_rate.at, at)
     put_modes(e, s.modes_slid)
     for turn in range(LENGTHS):

@@ -20,15 +20,17 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.sliding.by_means import decide_by_means
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
-from hybond.engine.sliding.from_edge import decide_from_edge, is_held_by_some
+from hybond.engine.sliding.from_edge import decide_from_edge, is_held_by_some, slides_on_some
 from hybond.engine.sliding.going_on import go_on_sliding
 from hybond.engine.sliding.met import drop, find_met, onto
 from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
 from hybond.engine.sliding.what_happened import fired_once, has_moved, is_held
 from hybond.engine.surfaces.corners import put_side
+from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
 from hybond.engine.words import Floats
 
 COLLAPSES: Final = 3
@@ -66,6 +68,8 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         decided = decide_led(e)
     if met > 0 and not moved and is_held_by_some(e, decided):
         decided = decide_from_edge(e, met, decided)
+    if decided == A_WAY and slides_on_some(e) and first_to_pull(e) != NONE_PULLS:
+        decided = decide_by_means(e, met)
     if decided == NO_WAY and met == 1 and moved and s.many == 0:
         decided = decide_collapsed(e)
     if decided == STOPS:
@@ -129,6 +133,8 @@ def decide_collapsed(e: Engine) -> int:
     s.met = 1
     s.met_surface[0] = surface
     decided = decide(e)
+    if decided == A_WAY and s.best[0] == SLIDES and first_to_pull(e) != NONE_PULLS:
+        decided = decide_by_means(e, 1)
     if decided == A_WAY and s.best[0] == SLIDES:
         return COLLAPSES
     take_back(e)

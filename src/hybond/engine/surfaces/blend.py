@@ -21,6 +21,7 @@ from hybond.engine.mode.solving import solve
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.common_space import keep_to_all
 from hybond.engine.surfaces.corners import put_coefficients, put_slopes, speed_at
+from hybond.engine.surfaces.law_means import begin_impulses, put_law_margins
 from hybond.engine.surfaces.outputs import output_rate
 from hybond.engine.surfaces.surface import part_mode, put_read, surface_rate
 from hybond.engine.words import Floats
@@ -66,6 +67,8 @@ def find_speeds(e: Engine, kept: bool) -> int:
     m = e.model
     s = e.slide
     n = e.states
+    if s.common and kept:
+        begin_impulses(e)
     for part in range(s.parts):
         if solve_part(e, part, s.v, s.part_rate, part * n, kept) != OK:
             return NOT_FINITE
@@ -102,6 +105,7 @@ def blend(e: Engine, v: Floats) -> int:
     average(e, 2 * m.bonds, s.solution, s.w)
     average(e, n, s.part_rate, s.rate)
     find_margins(e)
+    put_law_margins(e)
     s.at[0] = v[0]
     copy_part(m.storages, v, m.stored_slot, s.at, 1)
     copy_part(m.integrals, v, m.signal_slot, s.at, 1 + m.storages)

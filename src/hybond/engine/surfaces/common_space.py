@@ -19,6 +19,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton import knowns_of
 from hybond.engine.mode.rows.storage import stiff
 from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
+from hybond.engine.surfaces.law_means import find_reached
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, some
 
@@ -121,7 +122,9 @@ def find_common(e: Engine) -> int:
     fit(s.off_size, s.held)
     fit(s.slope, s.held * s.areas)
     fit(s.inverse, s.held * s.areas)
+    fit(s.area_size, s.areas)
     s.common = True
+    find_reached(e)
     return TOGETHER
 
 
@@ -219,8 +222,11 @@ def keep_to_all(e: Engine, v: Floats, w: Floats, rates: Floats) -> None:
     find_inverse(e, v)
     for a in range(s.areas):
         area = 0.0
+        size = 0.0
         for i in range(s.held):
             area -= s.inverse.at[a * s.held + i] * s.off.at[i]
+            size += math.fabs(s.inverse.at[a * s.held + i]) * s.off_size.at[i]
+        s.area_size.at[a] = max(s.area_size.at[a], size)
         for k in range(2 * m.bonds):
             w[k] += s.directions.at[k * s.areas + a] * area
         for k in range(m.storages):

@@ -45,6 +45,15 @@ class Slide:
     inverse: Block
     area: Block
     total: Block
+    area_size: Block
+    """The size of the terms that made each area."""
+    reached: Ints
+    """Of each port: whether its law carries impulses: law_means.py."""
+    push: Floats
+    push_size: Floats
+    """What each law carries on the mean, and the size of the terms that made it."""
+    barred: Ints
+    """Of each port: 0, or the side on which its law lets go in all branches chosen: by_means.py."""
     # the branches of junction laws in the modes around: branches.py
     branches: int
     branch: Places
@@ -89,7 +98,7 @@ class Slide:
     gone: Ints
     """Of each surface: 1 if all parts move its function up alike, -1 if down, 0 if they differ."""
     margin: Floats
-    """How far each surface is from being left, below, then above."""
+    """How far each surface is from being left, below, then above; each law from pulling."""
     gap: Floats
     """Of each side: its function."""
     parted: Ints
@@ -240,6 +249,11 @@ def make_slide(m: Model) -> Slide:
     s.inverse = make_block(1)
     s.area = make_block(1)
     s.total = make_block(1)
+    s.area_size = make_block(1)
+    s.reached = ints(m.ports)
+    s.push = floats(m.ports)
+    s.push_size = floats(m.ports)
+    s.barred = ints(m.ports)
     s.freedom = make_block(1)
     s.branch = make_places(1)
     s.modes_now = make_places(1)
@@ -328,7 +342,7 @@ def fit_slide(m: Model, s: Slide, k: int, parts: int) -> None:
     s.gone = ints(s.room)
     s.matrix = floats(s.room * s.room)
     s.change = floats(s.room * s.room)
-    s.margin = floats(2 * s.room)
+    s.margin = floats(2 * s.room + m.ports)
     s.gap = floats(s.room)
     s.part = ints(s.room_parts)
     s.holder = ints(s.room_parts)

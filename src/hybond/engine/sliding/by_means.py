@@ -1,0 +1,107 @@
+"""Sliding where laws of one side hold what others would move, and have to push on the mean.
+
+The mean of fast switching moves as if all modes were one: by the mean of what drives them, held by
+laws that push or let go. So of the laws that would pull some let go in all modes combined, and it
+is decided again, until none pulls, and none that lets go is driven into what it holds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hybond.engine.engine import OK, Engine, say_fault
+from hybond.engine.laws.branches import choose_anew
+from hybond.engine.reasons.facts import add_fact
+from hybond.engine.sliding.chatter import decide_led
+from hybond.engine.sliding.from_edge import slides_on_some, take_first_met
+from hybond.engine.sliding.ways_on import A_WAY, STOPS
+from hybond.engine.surfaces.blend import average
+from hybond.engine.surfaces.corners import put_coefficients
+from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
+from hybond.engine.surfaces.outputs import put_ahead, show_state, stride
+
+MOST: Final = 32
+"""Changes of what lets go, at the most: no law lets go and takes hold so often."""
+DRIVEN: Final = 1e-12
+"""A law that lets go is driven by more than this part of what moves there; less is rounding."""
+
+
+def decide_by_means(e: Engine, met: int) -> int:
+    """Decide how to slide on the surfaces first met with laws that push on the mean, or let go."""
+    m = e.model
+    s = e.slide
+    pulls = first_to_pull(e)
+    decided = A_WAY
+    for _ in range(MOST):
+        if decided != A_WAY or not slides_on_some(e):
+            break
+        wrong = first_wrong(e)
+        if wrong == NONE_PULLS:
+            end_bars(e)
+            s.from_edge = True
+            return A_WAY
+        s.barred[wrong] = 0 if s.barred[wrong] != 0 else -1 if s.push[wrong] < 0.0 else 1
+        choose_anew(e)
+        decided = decide_led(e) if take_first_met(e, met) == OK else STOPS
+    end_bars(e)
+    choose_anew(e)
+    if decided == STOPS or (decided == A_WAY and not slides_on_some(e)):
+        return decided
+    say_fault(e, "HB-N417", "a law would carry on the mean of fast switching what it cannot", "")
+    if m.tells != 0:
+        add_fact(e.fault, float(pulls))
+        for j in range(s.k):
+            add_fact(e.fault, float(s.side[j]))
+    return STOPS
+
+
+def end_bars(e: Engine) -> None:
+    """Let laws take their branches again where they are chosen anew."""
+    for k in range(e.model.ports):
+        e.slide.barred[k] = 0
+
+
+def first_wrong(e: Engine) -> int:
+    """Return the first port whose law pulls, or lets go where it has to push; or NONE_PULLS."""
+    m = e.model
+    s = e.slide
+    pulls = first_to_pull(e)
+    put_coefficients(s, s.best_weight, s.coefficient)
+    s.known = False
+    average(e, e.states, s.part_rate, s.rate)
+    for k in range(m.ports):
+        if s.barred[k] != 0 and is_driven(e, k):
+            return k
+    return pulls
+
+
+def is_driven(e: Engine, k: int) -> bool:
+    """Whether the mean motion leads into what the law of port k holds where it lets go."""
+    s = e.slide
+    show_state(e, e.t, e.y, s.v)
+    step = stride(e, s.v, s.rate, 0)
+    if put_ahead(e, s.v, s.rate, 0, step) != OK:
+        return True
+    moved = motion_of(e, k, False)
+    size = motion_of(e, k, True)
+    if put_ahead(e, s.v, s.rate, 0, 0.0) != OK:
+        return True
+    moved -= motion_of(e, k, False)
+    if e.model.port_two_sided[k] != 0:
+        moved *= -float(s.barred[k])
+    return not moved <= DRIVEN * size
+
+
+def motion_of(e: Engine, k: int, sized: bool) -> float:
+    """Return what the law of port k does not carry, at the values ahead: how fast friction slips.
+
+    Or what the magnitudes of its terms add up to.
+    """
+    m = e.model
+    row = 2 * k + 1 if m.port_two_sided[k] == 0 else 2 * k
+    total = 0.0
+    for i in range(m.pair_first[row], m.pair_first[row + 1]):
+        term = m.pair_value[i] * e.slide.ahead[m.bond_slot + m.pair_column[i]]
+        total += math.fabs(term) if sized else term
+    return total
