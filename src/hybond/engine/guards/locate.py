@@ -46,6 +46,7 @@ from hybond.engine.guards.moved_off import moves_off
 from hybond.engine.guards.rests_asked import see_rests_beside
 from hybond.engine.guards.sides_seen import note_sides
 from hybond.engine.guards.solved_guards import solve_guards
+from hybond.engine.guards.turns import between_turns
 from hybond.engine.guards.unresolved import see_borne, see_held_back
 from hybond.engine.guards.waiting import may_wait, wake
 
@@ -200,7 +201,9 @@ def of_rule(e: Engine, g: Locator, k: int, before: float) -> float:
         for i in range(begin, c.count):
             if stop - first > 1:
                 beside(e, g, a, c.at[i])
-    if stop - first > 1:
+    if g.turn_first[k] < g.turn_first[k + 1]:
+        between_turns(e, g, k, end)
+    elif stop - first > 1:
         between_roots(e, g, first, stop, end)
     sort(c)
     for i in range(c.count):
