@@ -145,7 +145,7 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             continue
         a = g.atom_first[k]
         here = atom_at(e, g, a, e.step.t0)
-        if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
+        if math.isfinite(here) and math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] != 0:
                 continue  # not passed yet
             soon = SOON * (e.step.t1 - e.step.t0)

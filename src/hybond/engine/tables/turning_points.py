@@ -23,13 +23,14 @@ from hybond.model.expressions import (
 )
 from hybond.model.expressions.rounded_roots import magnitude
 from hybond.model.expressions.slots import is_slotted
-from hybond.model.expressions.tree import fold
+from hybond.model.expressions.tree import fold, walk
 
 if TYPE_CHECKING:
     from hybond.engine.tables.columns import ModelTables
 
 MOST = 16
 """Of one guard, the outermost of them."""
+_RISING = ("exp", "tanh", "sinh", "atan")
 
 
 def put_turning_points(t: ModelTables, kinks: list[Expr]) -> None:
@@ -65,8 +66,15 @@ def turning_points(compared: list[Expr]) -> list[Expr]:
     time, abs(time) - 3
     time, exp(time)
     """
-    found = dict.fromkeys(a for e in compared for a in fold(e, _inside))
+    found = dict.fromkeys(a for e in compared for a in (*fold(e, _inside), *_pulsed(e)))
     return [a for a in found if moves(a) and a not in compared][-MOST:]
+
+
+def _pulsed(e: Expr) -> list[Expr]:
+    """Return about where functions that go one way do so, if there are several of them."""
+    rising = [p.args[0] for p, _ in walk(e) if isinstance(p, Call) and p.function in _RISING]
+    rising = [a for a in dict.fromkeys(rising) if moves(a)]
+    return rising if len(rising) > 1 else []
 
 
 def _inside(e: Expr, prior: bool, below: list[list[Expr]]) -> list[Expr]:
