@@ -173,12 +173,22 @@ def give_up_kinks(e: Engine, g: Locator) -> bool:
         if g.side[k] == NO_KINK:
             shown = False
             continue
+        if turns_within(g, k):
+            continue  # that is known of it, whatever samples show
         let_sleep(g, k)
         g.calm[k] = 1
         g.turn[k] = math.inf
         for i in range(SAMPLES):
             g.truth[k * SAMPLES + i] = 0
     return shown
+
+
+def turns_within(g: Locator, k: int) -> bool:
+    """Whether something of which it is known that a guard turns there is zero in the block."""
+    for a in range(g.turn_first[k], g.turn_first[k + 1]):
+        if first_turn(g, a) < math.inf:
+            return True
+    return False
 
 
 def is_rounding(e: Engine, g: Locator, k: int, a: int) -> bool:
