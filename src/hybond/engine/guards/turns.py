@@ -15,8 +15,13 @@ from hybond.engine.guards.guard_values import atom_at
 from hybond.engine.guards.locator import SAMPLES, Locator
 
 
-def between_turns(e: Engine, g: Locator, k: int, end: float) -> None:
-    """Ask at all roots of a guard's comparisons and of what they turn at, and halfway between."""
+def mark_turns(e: Engine, g: Locator, k: int, end: float) -> bool:
+    """Mark where what a guard compares turns, among all samples; False if there is no such place.
+
+    It is asked there, unless it has no value.
+    """
+    if g.turn_first[k] == g.turn_first[k + 1]:
+        return False
     for i in range(SAMPLES):
         keep(g.mark, g.t[i])
     for a in range(g.turn_first[k], g.turn_first[k + 1]):
@@ -25,8 +30,23 @@ def between_turns(e: Engine, g: Locator, k: int, end: float) -> None:
         for i in range(begin, g.candidate.count):
             keep(g.mark, g.candidate.at[i])
         mark_roots(e, g, a, end, g.pole[a] == 0)
-    for a in range(g.atom_first[k], g.atom_first[k + 1]):
+    if g.mark.count > SAMPLES:
+        return True
+    g.mark.count = 0
+    return False
+
+
+def between_turns(e: Engine, g: Locator, k: int, end: float) -> None:
+    """Ask a guard halfway between any two neighbours of what is marked of it.
+
+    With the roots of its comparisons, if there are several, or it has no value somewhere.
+    """
+    several = g.atom_first[k + 1] - g.atom_first[k] > 1
+    for a in range(g.turn_first[k], g.turn_first[k + 1]):
+        several = several or g.pole[a] != 0
+    for a in range(g.atom_first[k], g.atom_first[k + 1] if several else g.atom_first[k]):
         mark_roots(e, g, a, end, True)
+    sort(g.mark)
     for i in range(g.mark.count - 1):
         if g.mark.at[i + 1] > g.mark.at[i]:
             keep(g.candidate, 0.5 * (g.mark.at[i] + g.mark.at[i + 1]))
