@@ -29,7 +29,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     rests = m.surface_rest[2 * m.surfaces]
     several = s.parts + 1 if s.k > 0 and (m.laws > 0 or m.followers > 0) else 1
     atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
-    atoms += several * m.turn_first[rules + m.kinks + m.slide_kinks]
+    turns = m.turn_first[rules + m.kinks + m.slide_kinks] - m.turn_first[rules]
+    atoms += several * m.turn_first[rules] + (1 + m.surfaces) * turns
     if not same or m.watches > 0 or s.k > 0:
         forget_denied(g)
     g.watched = e.mode_at

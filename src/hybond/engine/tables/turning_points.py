@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 MOST = 16
 """Of one guard, the outermost of them."""
 _RISING = ("exp", "tanh", "sinh", "atan")
+"""Functions of which several make a pulse."""
 
 
 def put_turning_points(t: ModelTables, kinks: list[Expr]) -> None:
