@@ -40,8 +40,7 @@ class Model:
     most_dynamic: int  # rows that are evaluated anew each time, at the most; hidden ones left out
 
     # machines: those of the model, then those that stand for laws of junctions, as in the model
-    state_first: Ints
-    """The first state of each machine among all states; ``machines + 1`` entries."""
+    state_first: Ints  # of each machine among all states; ``machines + 1`` entries
     start: Ints
     is_law: Ints
     leads_on: Ints  # per machine: whether it leads a law on where that would grow beyond all bounds
@@ -64,6 +63,9 @@ class Model:
     atom_value: Ints
     atom_size: Ints
     atom_zero: Ints  # the side of zero, 1 or -1, on which a comparison has its truth at zero
+    turn_first: Ints  # of each rule, then of each kink: what is zero where these turn, inner first
+    turn_atom: Ints  # it stands with the comparisons
+    turn_pole: Ints  # whether something in these has no value there
     term_first: Ints
     """Of each, then of rates of signals: what it is a sum of, with `atom_level`; slot -1: none."""
     term_slot: Ints
@@ -393,11 +395,9 @@ class Model:
     surface_rest: Ints  # of each: what else the rule asks for that leads up, then the other's
     rest_value: Ints
     rest_moves: Ints  # whether that changes while time passes
-    rest_pair: Ints
-    """If it does: the pair, and the expression while time passes, that it does not hold."""
+    rest_pair: Ints  # if it does: the pair, and what is so in motion, that it does not hold
     rest_test: Ints
-    rest_atom: Ints
-    """The differences of its comparisons, behind those of rules; then the next one's."""
+    rest_atom: Ints  # the differences of its comparisons, behind those of rules; then the next's
     followers: int  # machines that read states of others, which may slide: surfaces/followers.py
     prior_followers: int  # how many of them read what states were before
     follower: Ints

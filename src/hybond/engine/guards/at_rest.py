@@ -76,6 +76,8 @@ NO_SLOPE: Final = 1e-12
 """Part of the slopes of a rate below which one is rounding."""
 JUST: Final = 1e-6
 """Part of a motion that is its end."""
+LITTLE: Final = 1e-8
+"""Part of a state that it is moved by to see how a comparison follows."""
 LATER: Final = float_table(1e-6, 1e-4, 1e-2, 0.113, 0.261, 0.372, 0.5127, 0.6291, 0.7713, 0.8837)
 """Where in what is left of the interval it is looked whether all stays at rest: unevenly."""
 LOOKS: Final = 10
@@ -190,13 +192,21 @@ def is_slow(e: Engine, g: Locator, k: int, t: float) -> bool:
     if field(e, e.mode, t, q.y, q.rate) != OK or not all_finite(e.states, q.rate):
         return False
     h = e.step.t1 - e.step.t0
-    for i in range(e.states):
-        q.shifted[i] = q.y[i] + size_of_state(e, i)
-    look_at_state(e, g, t, q.shifted)
     for a in range(many):
-        there = atom_here(e, g, first + a)
-        if math.isfinite(there):
-            q.size[a] = max(q.size[a], math.fabs(there - q.level[a]))
+        q.limit[a] = math.inf
+    # what bends goes elsewhere from where it is than it does from far: the eighth power of that
+    for way in range(2):
+        part = 1.0 if way == 0 else LITTLE
+        for i in range(e.states):
+            q.shifted[i] = q.y[i] + part * size_of_state(e, i)
+        look_at_state(e, g, t, q.shifted)
+        for a in range(many):
+            there = atom_here(e, g, first + a)
+            moved = math.fabs(there - q.level[a]) / part
+            q.limit[a] = min(q.limit[a], moved) if math.isfinite(moved) else q.limit[a]
+    for a in range(many):
+        if math.isfinite(q.limit[a]):
+            q.size[a] = max(q.size[a], q.limit[a])
     for i in range(e.states):
         q.shifted[i] = q.y[i] + h * q.rate[i]
     look_at_state(e, g, t, q.shifted)

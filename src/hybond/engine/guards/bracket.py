@@ -13,7 +13,11 @@ from hybond.engine.guards.rim import asked_at, find_rim, forget_asked
 from hybond.engine.methods.explicit.dopri import spacing
 
 SEARCH: Final = 40
-"""Most iterations of one root or extremum search."""
+"""Most iterations of one extremum search."""
+STEEP: Final = 20
+"""Iterations of a root search after which it goes on by halves: of what is as steep as ``exp``."""
+HALVED: Final = 64
+"""Most iterations of one root search behind these."""
 AT_ONCE: Final = 1e-9
 """Part of the run that a step is which takes next to no time."""
 NEXT_TO: Final = 4.0
@@ -39,10 +43,12 @@ def root_between(
         return high
     side = 0
     wide = 4.0 * spacing(max(math.fabs(low), math.fabs(high)))
-    for _ in range(SEARCH):
+    for i in range(STEEP + HALVED):
         if b - a <= wide or fb == 0.0 or fb == fa:
             break
         c = b - fb * (b - a) / (fb - fa)
+        if i >= STEEP or not (math.isfinite(fa) and math.isfinite(fb)):
+            c = 0.5 * (a + b)
         # a step off either end keeps the bracket shrinking from both sides
         c = min(max(c, a + 0.25 * wide), b - 0.25 * wide)
         fc = atom_at(e, g, which, c)

@@ -47,6 +47,8 @@ def sample(e: Engine, g: Locator) -> None:
             g.truth[k * SAMPLES + i] = 1 if not asleep and test_here(e, g, k) else 0
             for a in range(g.atom_first[k], g.atom_first[k + 1]):
                 g.shape[a * SAMPLES + i] = 0.0 if asleep else atom_here(e, g, a)
+            for a in range(g.turn_first[k], g.turn_first[k + 1]):
+                g.shape[a * SAMPLES + i] = 0.0 if asleep else atom_here(e, g, a)
 
 
 def find_shape(g: Locator) -> None:
@@ -58,6 +60,9 @@ def find_shape(g: Locator) -> None:
             if not stays(g, a):
                 g.calm[k] = 0
             g.turn[k] = min(g.turn[k], first_turn(g, a))
+        for a in range(g.turn_first[k], g.turn_first[k + 1] if g.solved[k] == 0 else 0):
+            if g.calm[k] != 0 and not stays(g, a):
+                g.calm[k] = 0
 
 
 def stays(g: Locator, a: int) -> bool:
@@ -168,12 +173,22 @@ def give_up_kinks(e: Engine, g: Locator) -> bool:
         if g.side[k] == NO_KINK:
             shown = False
             continue
+        if turns_within(g, k):
+            continue  # that is known of it, whatever samples show
         let_sleep(g, k)
         g.calm[k] = 1
         g.turn[k] = math.inf
         for i in range(SAMPLES):
             g.truth[k * SAMPLES + i] = 0
     return shown
+
+
+def turns_within(g: Locator, k: int) -> bool:
+    """Whether something of which it is known that a guard turns there is zero in the block."""
+    for a in range(g.turn_first[k], g.turn_first[k + 1]):
+        if first_turn(g, a) < math.inf:
+            return True
+    return False
 
 
 def is_rounding(e: Engine, g: Locator, k: int, a: int) -> bool:

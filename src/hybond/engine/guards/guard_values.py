@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.blocks import row_times
@@ -212,6 +213,8 @@ def has_crossed(e: Engine, g: Locator, k: int) -> bool:
     a = g.atom_first[k]
     here = atom_here(e, g, a)
     beyond = -float(g.side[k]) * here
+    if beyond == math.inf:
+        return True
     if not beyond > ROUNDING * size_here(e, g, a):
         return False
     return beyond > ROUNDING * terms_here(e, g, k, a)

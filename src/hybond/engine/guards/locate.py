@@ -46,6 +46,7 @@ from hybond.engine.guards.moved_off import moves_off
 from hybond.engine.guards.rests_asked import see_rests_beside
 from hybond.engine.guards.sides_seen import note_sides
 from hybond.engine.guards.solved_guards import solve_guards
+from hybond.engine.guards.turns import between_turns, mark_turns
 from hybond.engine.guards.unresolved import see_borne, see_held_back
 from hybond.engine.guards.waiting import may_wait, wake
 
@@ -144,7 +145,7 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             continue
         a = g.atom_first[k]
         here = atom_at(e, g, a, e.step.t0)
-        if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
+        if math.isfinite(here) and math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] != 0:
                 continue  # not passed yet
             soon = SOON * (e.step.t1 - e.step.t0)
@@ -194,13 +195,16 @@ def of_rule(e: Engine, g: Locator, k: int, before: float) -> float:
     for i in range(1, SAMPLES):
         if g.truth[k * SAMPLES + i] != 0:
             keep(c, g.t[i])
+    turned = mark_turns(e, g, k, end)
     for a in range(first, stop):
         begin = c.count
         extrema(e, g, a, end)
         for i in range(begin, c.count):
             if stop - first > 1:
                 beside(e, g, a, c.at[i])
-    if stop - first > 1:
+    if turned:
+        between_turns(e, g, k, end)
+    elif stop - first > 1:
         between_roots(e, g, first, stop, end)
     sort(c)
     for i in range(c.count):

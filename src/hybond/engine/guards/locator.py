@@ -84,6 +84,10 @@ class Locator:
     atom_first: Ints
     """Of each guard: its comparisons in `shape`."""
     atom: Ints
+    turn_first: Ints
+    """Of each guard: what is zero where its comparisons turn, in `shape`, behind all of these."""
+    pole: Ints
+    """Of each of these: whether something in the guard has no value there."""
     atom_part: Ints
     atom_guard: Ints
     """Of each comparison: its guard, and the part of that."""
@@ -296,6 +300,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.nap = ints(g.room)
     g.blurred = ints(g.room)
     g.atom_first = ints(g.room + 1)
+    g.turn_first = ints(g.room + 1)
     g.truth = ints(g.room * SAMPLES)
     g.calm = ints(g.room)
     g.turn = floats(g.room)
@@ -309,6 +314,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.atom_guard = ints(g.room_atoms)
     g.shape = floats(g.room_atoms * SAMPLES)
     g.rest = floats(g.room_atoms)
+    g.pole = ints(g.room_atoms)
     g.step = floats(COEFFICIENTS * g.room_atoms)
     g.extent = floats(g.room_atoms)
     g.astray = floats(g.room_atoms)

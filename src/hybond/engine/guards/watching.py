@@ -29,6 +29,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     rests = m.surface_rest[2 * m.surfaces]
     several = s.parts + 1 if s.k > 0 and (m.laws > 0 or m.followers > 0) else 1
     atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
+    turns = m.turn_first[rules + m.kinks + m.slide_kinks] - m.turn_first[rules]
+    atoms += several * m.turn_first[rules] + (1 + m.surfaces) * turns
     if not same or m.watches > 0 or s.k > 0:
         forget_denied(g)
     g.watched = e.mode_at
@@ -54,6 +56,7 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     elif not e.planar.leading:
         watch_kinks(e, g)
     g.atom_first[g.guards] = g.atoms
+    take_turns(e, g)
     begin_sums(g.sums, g.atoms)
     for a in range(g.atoms if s.k == 0 else 0):
         take_sum(e, g.sums, a, g.atom[a])
@@ -152,6 +155,26 @@ def end_guard(g: Locator, first: int, stop: int) -> None:
         g.atom_guard[g.atoms] = g.guards
         g.atoms += 1
     g.guards += 1
+
+
+def take_turns(e: Engine, g: Locator) -> None:
+    """Take what is zero where the comparisons of these guards turn, behind all comparisons."""
+    m = e.model
+    at = g.atoms
+    for k in range(g.guards):
+        g.turn_first[k] = at
+        own = -1
+        if g.side[k] != NO_KINK:
+            own = m.rule_first[m.machines] + g.atom[g.atom_first[k]] - m.kink_atom
+        elif g.rule[k] >= 0 and g.pair[k] == g.rule[k]:
+            own = g.rule[k]
+        for p in range(m.turn_first[max(own, 0)], m.turn_first[own + 1] if own >= 0 else 0):
+            g.atom[at] = m.turn_atom[p]
+            g.atom_part[at] = g.part[k]
+            g.atom_guard[at] = k
+            g.pole[at] = m.turn_pole[p]
+            at += 1
+    g.turn_first[g.guards] = at
 
 
 def forget_denied(g: Locator) -> None:

@@ -13,6 +13,7 @@ from hybond.engine.inputs.calls import CALLED, FREE
 from hybond.engine.tables.columns import INTS, put_rows
 from hybond.engine.tables.options import METHODS
 from hybond.engine.tables.parts import is_flat_at_zero
+from hybond.engine.tables.turning_points import put_turning_points
 from hybond.equations.surfaces import moves, surfaces_of
 from hybond.model.expressions import (
     Binary,
@@ -74,6 +75,9 @@ def put_kinks(t: ModelTables) -> None:
     t.numbers["jumping_gaps"] = len(t.ints["jumping_gap"])
     led_on = [abs(at) for m in t.graph.machines for at in m.led_on]
     t.numbers["bends"] = min(led_on, default=0.0)
+    watched = [*found, *more]
+    compared = list(t.ints["atom_value"])
+    put_turning_points(t, watched)
     t.numbers["kink_atom"] = len(t.ints["atom_value"])
     t.ints["kink_node"] = list(found.values())
     t.ints["kink_switch"] = [min(s) if len(s) == 1 else -1 for s in switches.values()]
@@ -102,7 +106,6 @@ def put_kinks(t: ModelTables) -> None:
         int(_unscaled(a) in rests and all(meets(e, _unscaled(a)) for e in said.get(a, ())))
         for a in found
     ]
-    watched = [*found, *more]
     for name, nothing in (("node", -1), ("rest", -1), ("meets", 0), ("rooted", 0)):
         t.ints[f"kink_{name}"] += [nothing] * len(more)
     t.ints["kink_pair"] = [len(t.pairs) + k for k in range(len(watched))]
@@ -112,7 +115,7 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["atom_zero"] += [1] * len(watched)
     jumps = dict.fromkeys(a for e, _ in _followed(t) for a in jumping(e) if _is_timed(t, a))
     t.numbers["timed_laws"] = len(jumps)
-    decided = (a for e in _decided_by(t) for a in jumping(e) if _is_timed(t, a))
+    decided = (a for e in _decided_by(t, compared) for a in jumping(e) if _is_timed(t, a))
     jumps |= dict.fromkeys(decided)
     t.ints["timed_jump"] = [t.values.number(a) for a in jumps]
     t.numbers["timed_jumps"] = len(jumps)
@@ -196,11 +199,10 @@ def _left_at(t: ModelTables) -> list[tuple[Expr, int]]:
     ]
 
 
-def _decided_by(t: ModelTables) -> list[Expr]:
+def _decided_by(t: ModelTables, compared: list[int]) -> list[Expr]:
     """Return signs of what guards compare, and what gates and gaps of laws are."""
-    atoms = t.ints["atom_value"][: int(t.numbers["kink_atom"])]
     laws = [k for name in ("port_gap", "port_gate") for k in t.ints[name] if k >= 0]
-    signs = [Call("sign", (t.values.all[k],)) for k in atoms]
+    signs = [Call("sign", (t.values.all[k],)) for k in compared]
     return [*signs, *(t.values.all[k] for k in laws)]
 
 
