@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.expressions.functions import SQRT, function_of, power, ratio
+from hybond.engine.expressions.functions import BELOW, SQRT, function_of, power, ratio
 from hybond.engine.words import Floats, floats, record
 
 DEPTH: Final = 256
@@ -281,7 +281,7 @@ def apply(s: Stack, which: int) -> None:
 
 def clear_root(s: Stack, k: int) -> None:
     """Let nothing be left of what is below nothing by rounding, where its root is taken."""
-    rounding = ROUNDING * s.size[k] if s.size[k] < LARGEST else 0.0
+    rounding = BELOW * s.size[k] if s.size[k] < LARGEST else 0.0
     if s.finite[k] < 0.0 and s.finite[k] >= -rounding:
         s.finite[k] = 0.0
     if s.before[k] < 0.0 and s.before[k] >= -rounding:
@@ -318,7 +318,7 @@ def raise_to(s: Stack) -> None:
             return
         s.refused = POWER
     raised = s.finite[k + 1]
-    if math.isfinite(raised) and math.floor(raised) != raised:
+    if raised > 0.0 and math.isfinite(raised) and math.floor(raised) != raised:
         clear_root(s, k)
     own = s.finite[k]
     size = s.size[k]

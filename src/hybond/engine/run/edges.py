@@ -53,7 +53,7 @@ def reach_edges(e: Engine, r: Run) -> bool:
     for k in range(e.model.edges):
         reached = reach_edge(e, r, k, room) or reached
     reached = vanish(e, r) or reached
-    reached = reached or stop_within_error(e, r.resting)
+    reached = reached or stop_within_error(e, r.resting, True)
     e.refusal = refusal and not reached
     return reached
 
@@ -118,7 +118,7 @@ def rest_where_steps_crowd(e: Engine, r: Run) -> bool:
         return False
     crowded = e.t - s.since <= CROWDED * e.span
     refusal = e.refusal
-    rests = crowded and stop_within_error(e, s)
+    rests = crowded and stop_within_error(e, s, False)
     e.refusal = refusal
     r.locator.looked = math.nan
     s.waits = 2 * s.waits if crowded and not rests else STEPS

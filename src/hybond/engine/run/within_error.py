@@ -93,15 +93,19 @@ def make_resting(e: Engine) -> Resting:
     return s
 
 
-def stop_within_error(e: Engine, s: Resting) -> bool:
-    """Put what is within the error of a step on the edges of laws, if it stays; whether it does."""
+def stop_within_error(e: Engine, s: Resting, stuck: bool) -> bool:
+    """Put what is within the error of a step on the edges of laws, if it stays; whether it does.
+
+    Where no step leads on, and it is `stuck`, it may be filled from there as well. Else what is
+    filled has its level above the edge, and each time it would lose that.
+    """
     m = e.model
     widest_tolerance(e, e.y, s.allowed)
     for j in range(m.storages, e.states):
         s.allowed[j] = 0.0
     if not see_arguments(e, e.y, s.here, s.size) or not see_leads(e, s):
         return False
-    if not (rests_with_all(e, s) or is_filled_from_edge(e, s)):
+    if not rests_with_all(e, s) and not (stuck and is_filled_from_edge(e, s)):
         return False
     copy_floats(e.states, s.after, e.y)
     return True

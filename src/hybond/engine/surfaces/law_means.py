@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.surfaces.corners import put_coefficients
+from hybond.engine.surfaces.surface import part_mode
 
 PULLS: Final = 1e-13
 """A law pulls by more than this part of what it carries; less is rounding."""
@@ -95,7 +97,7 @@ def room_of(e: Engine, k: int) -> float:
 
 
 def limit_of(e: Engine, k: int) -> float:
-    """Return up to what friction holds, at the mean of what that reads."""
+    """Return up to what friction holds, on the mean of the modes around."""
     m = e.model
     s = e.slide
     number = m.port_breakaway[k]
@@ -105,12 +107,13 @@ def limit_of(e: Engine, k: int) -> float:
         constant = m.port_limit_constant[k]
     if number < 0:
         return constant
-    for b in range(2 * m.bonds):
-        total = 0.0
-        for part in range(s.parts):
-            total += s.coefficient[part] * s.solution[part * 2 * m.bonds + b]
-        s.v[m.bond_slot + b] = total
-    return value(m, number, s.v)
+    total = 0.0
+    for part in range(s.parts):
+        flags = part_mode(e, part).flags
+        copy_part(m.switches + m.state_first[m.machines], flags, 0, s.v, m.on_slot)
+        copy_part(2 * m.bonds, s.solution, part * 2 * m.bonds, s.v, m.bond_slot)
+        total += s.coefficient[part] * value(m, number, s.v)
+    return total
 
 
 def first_to_pull(e: Engine) -> int:

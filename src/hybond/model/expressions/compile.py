@@ -66,7 +66,7 @@ def compile_expression(
     5.0
     """
     used = FLOATS if algebra is None else algebra
-    form = cleared_roots(stable(e)) if "softplus" in used.call else e
+    form = cleared_roots(stable(e)) if "cleared" in used.call else e
     return used.wrap(fold(form, _Compiler(slot, used, pre_offset).node))
 
 

@@ -33,7 +33,22 @@ def cleared_roots(e: Expr) -> Expr:
 
 
 def cleared(u: Expr) -> Expr:
-    """Return what is under a root, cleared where it is a sum that may be below nothing."""
+    """Return what is under a root, cleared where it is a sum that may be below nothing.
+
+    Of a least or a largest, and of branches, each by itself: a bound far away is no term of what
+    it bounds.
+
+    Examples
+    --------
+    >>> from hybond.model.expressions import parse
+    >>> print(cleared(parse("min(e - a, 1e12)")))
+    min(cleared(e - a, abs(e) + abs(a)), 1000000000000)
+    """
+    match u:
+        case Call("min" | "max" as function, args) if _may_be_below(u):
+            return Call(function, tuple(map(cleared, args)))
+        case If(cond, then, other) if _may_be_below(u):
+            return If(cond, cleared(then), cleared(other))
     return Call("cleared", (u, magnitude(u))) if _may_be_below(u) else u
 
 
@@ -79,8 +94,8 @@ def _cleared(e: Expr) -> Expr:
 
 
 def _is_root(n: float) -> bool:
-    """Whether a power is none of what is below nothing."""
-    return not is_slotted(n) and n != round(n)
+    """Whether a power is none of what is below nothing, and is nothing where that is nothing."""
+    return not is_slotted(n) and n > 0.0 and n != round(n)
 
 
 def _may_be_below(u: Expr) -> bool:
