@@ -91,7 +91,32 @@ def test_a_guard_reads_a_root_at_rest() -> None:
             "late_on",
             states={"on": ["sw"], "off": []},
             start="off",
-            rules=["off -> on when time > 300 and sqrt(t0.e - 0.25) < 1e-3"],
+            rules=["off -> on when time > 300 and sqrt(hole.e - 0.25) < 1e-3"],
         )
         run = hb.simulate(m, "310 s")
         assert run["r.f"].at(305.0) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("bound", ["min({}, 1e15)", "if e < 1e3 then {} else 1e15"])
+def test_a_bound_far_away_hides_no_root_of_what_is_below(bound: str) -> None:
+    """It is no term of what it bounds: a level below the hole is refused, as without it."""
+    m = hb.Model("hole")
+    m.add(n=hb.Zero(), t=hb.C(1.0, e=0.2), hole=hb.R({"f": f"sqrt({bound.format('e - 0.25')})"}))
+    m.bond("n -> t", "n -> hole")
+    with pytest.raises(hb.NumericsError) as refused:
+        hb.simulate(m, 1)
+    assert refused.value.code == "HB-N302"
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize(("inflow", "k"), [(1e-5, 1.0), (3e-6, 1.0), (1e-3, 10.0)])
+def test_nothing_is_lost_of_what_trickles_in(inflow: float, k: float, solver: str) -> None:
+    """The level stays above the hole by ``(inflow/k)^2``, less than the error of a step."""
+    m = hb.Model("trickle")
+    m.add(i=hb.Sf(inflow), n=hb.Zero(), t=hb.C(1.0, e=0.5), hole=hb.R({"f": f"{k}*sqrt(e - 0.25)"}))
+    m.bond("i -> n", "n -> t", "n -> hole")
+    m.signal(out=hb.Integral("hole.f"), inn=hb.Integral("i.f"))
+    run = hb.simulate(m, 1000, solver=solver)
+    lost = run["t.q"].at(1000.0) - 0.5 + run["out"].at(1000.0) - run["inn"].at(1000.0)
+    assert abs(lost) < 1e-12
+    assert run.stats["steps"] < 400

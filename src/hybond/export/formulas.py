@@ -61,7 +61,7 @@ _CALLED = {
     "log_cosh": "log_cosh",
     "expm1": "exp_less_one",
     "log1p": "log_beside_one",
-    "cleared": "cleared",
+    "cleared": "cleared_of_rounding",
 }
 _PAIRED = {
     "+": "add",

@@ -122,7 +122,7 @@ def log_beside_one(a: float) -> float:
     return math.log1p(a) if a > -1.0 else logarithm(1.0 + a)
 
 
-def cleared(a: float, size: float) -> float:
+def cleared_of_rounding(a: float, size: float) -> float:
     """Return a, or nothing where it is below that by rounding of terms of a size."""
     return 0.0 if a < 0.0 and a >= -BELOW * size and math.isfinite(size) else a
 
@@ -170,7 +170,7 @@ def function_of(which: int, a: float, b: float) -> float:
     if which == ATAN2:
         return math.atan2(a, b)
     if which == CLEARED:
-        return cleared(a, b)
+        return cleared_of_rounding(a, b)
     if which == MOD:
         return modulo(a, b)
     return math.nan

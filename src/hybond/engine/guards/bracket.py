@@ -13,7 +13,7 @@ from hybond.engine.guards.rim import asked_at, find_rim, forget_asked
 from hybond.engine.methods.explicit.dopri import spacing
 
 SEARCH: Final = 40
-"""Most iterations of one extremum search."""
+"""Most iterations of one root or extremum search."""
 STEEP: Final = 20
 """Iterations of a root search after which it goes on by halves: of what is as steep as ``exp``."""
 HALVED: Final = 64
@@ -43,11 +43,12 @@ def root_between(
         return high
     side = 0
     wide = 4.0 * spacing(max(math.fabs(low), math.fabs(high)))
-    for i in range(STEEP + HALVED):
+    steep = is_steep(at_low, at_high)
+    for i in range(STEEP + HALVED if steep else SEARCH):
         if b - a <= wide or fb == 0.0 or fb == fa:
             break
         c = b - fb * (b - a) / (fb - fa)
-        if i >= STEEP or not (math.isfinite(fa) and math.isfinite(fb)):
+        if steep and (i >= STEEP or not (math.isfinite(fa) and math.isfinite(fb))):
             c = 0.5 * (a + b)
         # a step off either end keeps the bracket shrinking from both sides
         c = min(max(c, a + 0.25 * wide), b - 0.25 * wide)
@@ -65,6 +66,16 @@ def root_between(
                 fb = 0.5 * fb
             side = -1
     return b
+
+
+def is_steep(at_low: float, at_high: float) -> bool:
+    """Whether one end is so much farther from zero than the other that straight lines lead nowhere.
+
+    Each of these halves what is farther: as many as there are bring it no nearer than that.
+    """
+    less = min(math.fabs(at_low), math.fabs(at_high))
+    more = max(math.fabs(at_low), math.fabs(at_high))
+    return not math.isfinite(more) or more > math.pow(2.0, float(SEARCH)) * less
 
 
 def sampled_at(e: Engine, g: Locator, k: int, a: int, t: float) -> float:
