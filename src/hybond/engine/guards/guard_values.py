@@ -29,6 +29,8 @@ from hybond.engine.surfaces.averages import begin_sizes, part_sizes, show_part, 
 from hybond.engine.surfaces.values import evaluate, set_motion, set_state
 from hybond.engine.words import Floats
 
+STANDS: Final = 1e-12
+"""Part of its terms up to which a law may count what it compares as zero."""
 FEW: Final = 16
 """Bond variables that are evaluated all at once, whichever of them are asked for."""
 BEYOND: Final = 1e-13
@@ -291,9 +293,18 @@ def holds_at_rest(e: Engine, g: Locator, k: int, t: float) -> bool:
 
 
 def level_in_motion(e: Engine, g: Locator, k: int) -> float:
-    """Return up to where what guard k compares counts as zero: its limit."""
-    known = e.rests.some_crossed and g.rule[k] >= 0 and g.pair[k] == g.rule[k]
-    return e.rests.within[g.rule[k]] if known else 0.0
+    """Return up to where what guard k compares counts as zero: its limit, or where a law stood."""
+    q = e.rests
+    r = g.rule[k]
+    if r < 0 or g.pair[k] != r:
+        return 0.0
+    if q.of_law[r] == 0:
+        return q.within[r] if q.some_crossed else 0.0
+    if not q.some_stand or q.within[r] == 0.0:
+        return 0.0
+    a = g.atom_first[k]
+    terms = terms_here(e, g, k, a)
+    return q.within[r] if math.fabs(q.within[r]) <= STANDS * terms else 0.0
 
 
 def holds_here(e: Engine, g: Locator, k: int) -> bool:
@@ -302,7 +313,8 @@ def holds_here(e: Engine, g: Locator, k: int) -> bool:
     stack = e.work.stack
     measure_here(e, g, k)
     ask_in_motion(e)
-    true = holds_from(m, g.pair[k], stack, level_in_motion(e, g, k))
+    level = level_in_motion(e, g, k)
+    true = holds_from(m, g.pair[k], stack, level)
     if stack.refused != 0:
         refuse_pair(e, e.v[0], rule_text(m, g.rule[k]))
         if m.tells != 0:

@@ -4,6 +4,10 @@ The motion finds a guard `melted > heat` where that is more by more than roundin
 what it compares then stands still while other states come and go, and a state is entered whose
 guards compare the same, it is at its limit, as it would be in exact arithmetic. So up to there it
 counts as zero for as long as that state lasts.
+
+Laws of junctions count more than that as zero, and decide by how it moves. One that stands where
+its guard was found, as the error of the steps has led just past zero and the motion leads back,
+stands up to there: else it would be asked again in each instant up to where that has come back.
 """
 
 from __future__ import annotations
@@ -14,8 +18,9 @@ from typing import Final
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
-from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
-from hybond.engine.guards.locator import ALL_PARTS, Locator
+from hybond.engine.guards.guard_values import STANDS, atom_at, holds_at, terms_here
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.methods.explicit.dopri import spacing
 
 WIDE: Final = 16.0
@@ -61,3 +66,30 @@ def level_of(e: Engine, machine: int, r: int) -> float:
         waits = q.crossed_at[a] < e.t and value(m, a, e.v) == q.crossed[a]
         q.within[r] = q.crossed[a] if waits else 0.0
     return q.within[r]
+
+
+def see_stood(e: Engine, g: Locator, i: Instant) -> None:
+    """Let laws stand up to where they did at an instant at which a guard held, and none fired.
+
+    Where anything has changed they are asked from zero on again.
+    """
+    m = e.model
+    q = e.rests
+    if i.steps > 0:
+        for r in range(m.rule_first[m.machines] if q.some_stand else 0):
+            q.within[r] = q.within[r] if q.of_law[r] == 0 else 0.0
+        q.some_stand = False
+        return
+    g.looked = math.nan
+    for k in range(g.guards if i.cause == GUARD and e.slide.k == 0 else 0):
+        r = g.rule[k]
+        if r < 0 or g.part[k] != ALL_PARTS or g.pair[k] != r or g.side[k] != NO_KINK:
+            continue
+        if q.of_law[r] == 0 or not holds_at(e, g, k, e.t):
+            continue
+        a = g.atom_first[k]
+        here = atom_at(e, g, a, e.t)
+        if math.fabs(here) <= STANDS * terms_here(e, g, k, a):
+            q.within[r] = here
+            q.some_stand = True
+    g.looked = math.nan

@@ -65,6 +65,10 @@ class Rests:
     """Of each rule: whether it is one of a machine that stands for no law, and compares once; up to
     where that counts as zero, as the state it leaves was entered with what had not moved since."""
     within: Floats
+    of_law: Ints
+    """Of each rule: whether it is one of a law, and compares once; it counts as zero up to where
+    the law stood when it was asked last, if any did since something changed."""
+    some_stand: bool
     waits_until: Floats
     stands_on: Floats
     some_wait: bool
@@ -154,10 +158,12 @@ def make_rests(m: Model) -> Rests:
         q.waits_until[r] = -math.inf
     q.stands_on = floats(atoms)
     q.by_hand = ints(rules)
+    q.of_law = ints(rules)
     for k in range(m.machines):
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
             once = m.atom_first[r + 1] - m.atom_first[r] == 1
             q.by_hand[r] = 1 if once and m.is_law[k] == 0 else 0
+            q.of_law[r] = 1 if once and m.is_law[k] != 0 else 0
     q.began = floats(n)
     q.began_at = -math.inf
     put_followed(q, m)

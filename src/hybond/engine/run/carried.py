@@ -196,6 +196,7 @@ def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
     carry_ints(c, m.rule_first[many], e.rests.rule)
     carry_ints(c, m.rule_first[many], e.rests.since)
     carry_floats(c, m.rule_first[many], e.rests.within)
+    e.rests.some_stand = carry_truth(c, e.rests.some_stand)
     for a in range(m.atom_first[m.rule_first[many]]):
         which = m.atom_value[a]
         e.rests.crossed[which] = carry_number(c, e.rests.crossed[which])

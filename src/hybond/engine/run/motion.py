@@ -24,6 +24,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.guards.ends_at_guard import find_within, land, shows_instants
 from hybond.engine.guards.guard_values import doubt, see_where_it_begins
 from hybond.engine.guards.kept_rests import begin_rests, let_hold, none_holds
+from hybond.engine.guards.limits_crossed import see_stood
 from hybond.engine.guards.locate import locate
 from hybond.engine.guards.rests_asked import see_rests_at_end
 from hybond.engine.guards.together import is_kink_alone, is_of_time, last_of_instant
@@ -220,6 +221,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         report_event(e, r.report, i)
         if outruns(e, r):
             return refuse_outrun(e, r)
+    see_stood(e, r.locator, i)
     r.vain = cause == LAW and not settled
     if settled or (cause != GUARD and cause != LAW):
         r.idle = 0
