@@ -20,7 +20,6 @@ from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import STANDS, atom_at, holds_at, terms_here
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
-from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.methods.explicit.dopri import spacing
 
 WIDE: Final = 16.0
@@ -68,20 +67,20 @@ def level_of(e: Engine, machine: int, r: int) -> float:
     return q.within[r]
 
 
-def see_stood(e: Engine, g: Locator, i: Instant) -> None:
-    """Let laws stand up to where they did at an instant at which a guard held, and none fired.
+def see_stood(e: Engine, g: Locator, changed: bool, found: bool) -> None:
+    """Let laws stand up to where they did at an instant that is settled.
 
-    Where anything has changed they are asked from zero on again.
+    A guard was `found` there, and nothing `changed`; if anything did, they are asked from zero on.
     """
     m = e.model
     q = e.rests
-    if i.steps > 0:
+    if changed:
         for r in range(m.rule_first[m.machines] if q.some_stand else 0):
             q.within[r] = q.within[r] if q.of_law[r] == 0 else 0.0
         q.some_stand = False
         return
     g.looked = math.nan
-    for k in range(g.guards if i.cause == GUARD and e.slide.k == 0 else 0):
+    for k in range(g.guards if found and e.slide.k == 0 else 0):
         r = g.rule[k]
         if r < 0 or g.part[k] != ALL_PARTS or g.pair[k] != r or g.side[k] != NO_KINK:
             continue
