@@ -22,14 +22,14 @@ from part_sheets import SHARE_SHEETS
 
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
-LARGE_GRID = 9
+LARGE_GRID = 8
 """Cases from which on a quarter of a grid is kept."""
 
 SMALL_GRID = 6
 """Cases from which on a half of it is: of two by two that would be one diagonal, on which neither
 axis is told from the other."""
 
-LONG_LIST = 6
+LONG_LIST = 4
 """Cases of one list from which on it is sampled."""
 
 RUNS = {"engine", "cases", "simulation", "property", "model"}
@@ -96,7 +96,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.skip(reason=reason))
     if not config.option.keyword:  # who asks for tests by name gets all of their cases
         sample(items)
-        take_a_twelfth(items)
+        take_a_few(items)
 
 
 def sample(items: list[pytest.Item]) -> None:
@@ -130,15 +130,15 @@ def sample(items: list[pytest.Item]) -> None:
                 item.add_marker(pytest.mark.slow)
 
 
-def take_a_twelfth(items: list[pytest.Item]) -> None:
-    """Of the slow tests of what a run does, let every twelfth be none, the same ones each time.
+def take_a_few(items: list[pytest.Item]) -> None:
+    """Of the slow tests of what a run does, let one in twenty-four be none, always the same ones.
 
     Which these are is by a checksum of their names: cases that no pattern of a grid chooses. A test
     that is marked ``sampled(n)`` has the n that it wants already.
     """
     for item in items:
         slow = next((m for m in item.own_markers if m.name == "slow"), None)
-        chosen = zlib.crc32(item.nodeid.encode()) % 12 == 0
+        chosen = zlib.crc32(item.nodeid.encode()) % 24 == 0
         dear = getattr(item, "originalname", "") in DEAR or item.get_closest_marker("sampled")
         dear = dear or any(m.name in COMPILED for m in item.iter_markers())
         if slow and chosen and not dear and RUNS & {*item.path.parts}:

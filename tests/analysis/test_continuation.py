@@ -99,6 +99,7 @@ def choke() -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_the_current_that_begins_to_end_within_the_period_is_a_border_collision() -> None:
     L, R, T, D = 100e-6, 0.5, 20e-6, 0.4
     a = np.exp(-R / L * T * D), np.exp(-R / L * T * (1 - D))
@@ -120,6 +121,7 @@ def test_the_current_that_begins_to_end_within_the_period_is_a_border_collision(
     assert branch.stable.all()
 
 
+@pytest.mark.slow
 def test_an_oscillator_grazes_its_stop_where_its_amplitude_is_the_gap() -> None:
     values = {"F": "0.4 N", "w": "0.7 rad/s", "s": "0.8 m", "e": 0.8, "c": "0.1 N*s/m"}
     m = hb.Model("impact_oscillator", domain="translational", parameters=values)

@@ -131,6 +131,7 @@ def test_a_ball_that_rests_on_a_shaker_loses_both_directions(
         assert orbit.derivative("ball.p", "A") == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_where_a_ball_has_landed_on_a_shaker_the_table_alone_says_how_it_is_varied() -> None:
     """h = A cos(w t), p = -2 m A w sin(w t): also where rounding ends the last flight, not the gap.
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from hybond.cli.main import main
 
 BALL = str(Path(__file__).parents[2] / "examples" / "bouncing_ball.toml")
@@ -21,6 +23,7 @@ def test_a_file_is_written_once(tmp_path, monkeypatch, capsys) -> None:
     assert "    .until = 1.0," in Path("bouncing_ball.c").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_class_is_called_as_its_file(tmp_path, capsys) -> None:
     target = tmp_path / "Drop.java"
     assert main(["export", BALL, "--to", "java", "--out", str(target)]) == 0

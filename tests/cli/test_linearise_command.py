@@ -50,6 +50,7 @@ def test_a_parameter_by_name_and_a_setting(shell: Any) -> None:
     assert [abs(i) for _, i in point["poles"]] == pytest.approx([3.0, 3.0], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_plots_of_each_kind(shell: Any) -> None:
     for kind in ("bode", "nyquist", "step", "poles"):
         words = ("--input", "u", "--output", "c.e", "--plot", f"{kind}.svg", "--kind", kind)

@@ -90,7 +90,7 @@ def nets(found: dict[str, tuple[Point, ...]]) -> dict[str, str]:
     return {key: next(e for e in key.split(" -> ") if "." not in e) for key in found}
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", EACH)
 def test_coils_of_a_core_stand_side_by_side_with_bars_between_and_dots_that_agree(
     name: str, folder: str
@@ -163,6 +163,7 @@ def test_wires_of_nets_are_apart_and_no_symbol_is_crossed(name: str, folder: str
 
 
 @pytest.mark.parametrize("name", [*EACH, "ladder40"])
+@pytest.mark.sampled(2)
 def test_no_symbol_stands_on_another(name: str, folder: str) -> None:
     _, groups = drawn(name, folder)
     boxes = [body(g) for g in groups.values() if g.name == "part"]

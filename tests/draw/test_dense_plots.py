@@ -60,6 +60,7 @@ def io_path() -> Any:
 
 
 @pytest.mark.parametrize("cycles", [60, 5000])
+@pytest.mark.sampled(1)
 def test_fast_switching_shows_its_edges(switched: Any, cycles: int) -> None:
     figure = plot_run(switched(cycles), ["_node$.e"], path=io_path())
     ink = inked(pixels(figure))

@@ -56,6 +56,7 @@ def wires_of(name: str) -> tuple[Any, dict[str, tuple[tuple[float, float], ...]]
 
 
 @of_parts
+@pytest.mark.sampled(2)
 def test_wires_are_level_or_upright_and_there_is_one_for_each_bond(name: str) -> None:
     model = hb.load(EXAMPLES / f"{name}.toml")
     drawing, wires = wires_of(name)
@@ -223,6 +224,7 @@ def test_many_wires_are_led_in_time() -> None:
 
 
 @drawn(["controlled", "three_phase", "boost"])
+@pytest.mark.sampled(1)
 def test_no_wire_ends_in_the_open(name: str) -> None:
     """Where wires of a junction meet they leave in two ways: it is no end of all of them."""
     drawing, wires = wires_of(name)

@@ -122,7 +122,7 @@ def currents(speed: float, start: float, end: float) -> np.ndarray:
     return y
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("speed", "start", "gyrate", "back"),
     [

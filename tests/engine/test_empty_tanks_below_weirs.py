@@ -58,7 +58,7 @@ def by_scipy(power: float, b: float) -> NDArray[np.float64]:
     return np.asarray(run.y[0])
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("law", OUTLETS)
 @pytest.mark.parametrize(("power", "g", "turned"), [(1.5, 9810.0, True), (2, 1.0, False)])
@@ -88,7 +88,7 @@ def test_what_fills_in_proportion_to_the_square_of_time(solver: str, law: str, b
     assert run["second.q"].at(times.tolist()) == pytest.approx(root**2 * (times - 1) ** 2, rel=1e-7)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("seed", [2, 6])
 def test_a_cascade_fills_tank_after_tank(solver: str, seed: int) -> None:

@@ -75,7 +75,7 @@ def half_wave(back: bool, *, farads: float = 0.0) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("solver", "back"), [("auto", False), ("auto", True), ("radau", True), ("rk45", False)]
 )

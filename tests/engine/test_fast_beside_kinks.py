@@ -59,6 +59,7 @@ def swings(law: str) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_what_is_far_from_rest_is_not_led_there_in_trial(counted: Counter[str]) -> None:
     run = hb.simulate(swings("1e-3*sign(e)*sqrt(abs(e))"), 6.0, engine="python")
     assert counted["leads_to_rest"] < run.stats["steps"] / 4

@@ -167,6 +167,7 @@ def test_what_moves_beside_a_tank_that_fills(solver: str) -> None:
     assert run.events.t[1] == pytest.approx(0.01**0.25, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_the_engine_as_python_fills_likewise() -> None:
     model = tank("0.3*sqrt(e)", "4*time*time*time + 0.3*time*time")
     runs = [hb.simulate(model, 1.0, solver="rk45", rtol=1e-4, engine=e) for e in ("python", None)]

@@ -165,6 +165,7 @@ def test_tanks_in_a_row_give_alike_to_what_the_last_one_leaks() -> None:
         assert run[f"r{i}.f"].at(ends) == pytest.approx(meant, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_flow_that_is_rounding_is_said_to_be_none() -> None:
     """All that drives it is the last digits of two levels: nobody can say it from them."""
     run = hb.simulate(tanks("K*f*abs(f)", 1e3), AT[-1], solver="radau", parameters={"K": 1e-6 * K})

@@ -50,6 +50,7 @@ def times(run: hb.Result) -> list[float]:
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(("at", "width"), [(3.1, 2e-2), (6.7, 1e-3)])
 @pytest.mark.parametrize("form", list(FORMS))
+@pytest.mark.sampled(15)
 def test_a_window_that_a_ramp_goes_through_within_a_step(
     form: str, at: float, width: float, solver: str
 ) -> None:

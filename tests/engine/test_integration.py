@@ -120,6 +120,7 @@ def test_a_heat_equation_decays_as_its_slowest_mode(n: int) -> None:
     assert [run.final[f"y{i}"] for i in range(n)] == pytest.approx(first * decay, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_van_der_pol_through_its_fast_transitions() -> None:
     m = system({"y": 2.0, "v": 0.0}, y="v", v="50*(1 - y^2)*v - y")
 

@@ -89,6 +89,7 @@ def test_every_file_that_is_printed_is_looked_at() -> None:
     assert {str(path) for path in portable_paths()} <= seen
 
 
+@pytest.mark.slow
 def test_sources_that_were_changed_are_seen(tmp_path: Path) -> None:
     """A copy of hybond with its library, in which bytecode is kept; one letter is changed in it."""
     package = Path(hybond.__file__).parent

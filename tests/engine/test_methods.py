@@ -206,7 +206,7 @@ def test_a_method_that_there_is_not_is_refused() -> None:
 # -- in exports
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize(
     ("name", "options"),

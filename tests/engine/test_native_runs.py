@@ -158,6 +158,7 @@ def test_a_slice_of_no_steps_is_refused(steps: int) -> None:
 
 
 @pytest.mark.parametrize("n", [DEPTH, DEPTH + 1])
+@pytest.mark.sampled(1)
 def test_a_guard_as_deep_as_the_stack_runs_and_a_deeper_one_is_refused(n: int) -> None:
     """A current grows as 1 - exp(-t), and a sum of n such is compared with n/2."""
     m = hb.Model("deep", domain="electrical")
@@ -207,6 +208,7 @@ def test_why_a_run_stopped_is_told() -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc")
+@pytest.mark.slow
 def test_memory_is_given_back() -> None:
     """Such a run takes about a third of a megabyte, and more when it is kept than when it ends."""
     options = {**INTEGRATED, "until": 0.1}

@@ -303,6 +303,7 @@ def test_functions_in_python_are_told_of_unless_steps_are_bounded() -> None:
 
 
 @pytest.mark.c
+@pytest.mark.slow
 def test_an_exported_program_sees_the_same_peak(tmp_path: Path) -> None:
     from export.programs import ask, compile_quickly, read_events
 

@@ -33,7 +33,7 @@ def multiplier(stages: int, resistance: float) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("stages", "resistance", "until"),
     [(2, 1.0, 0.1), (2, 0.3, 0.2), (2, 3.0, 0.25), (3, 1.0, 0.2), (3, 3.0, 0.2)],

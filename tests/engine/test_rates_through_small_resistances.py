@@ -182,7 +182,7 @@ def test_what_a_great_force_holds_takes_no_shorter_steps(damping: float) -> None
     assert held == pytest.approx(-run["z.e"].at(3.0), rel=1e-6)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("mass", [False, True])
 def test_what_next_to_nothing_stores_takes_no_more_than_rounding(mass: bool, turned: bool) -> None:

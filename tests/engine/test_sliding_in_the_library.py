@@ -165,7 +165,7 @@ def test_a_java_class_slides_as_well(name: str, in_java: dict[str, str]) -> None
     hold(make, until, read_events(in_java[name]))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.c
 @pytest.mark.parametrize("name", list(KINDS))
 def test_a_c_program_slides_as_well(name: str, tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def test_power_beside_what_a_source_ties(tmp_path: Path) -> None:
     assert float(run["C2.e"].at(0.004)) == pytest.approx(float(run["C1.e"].at(0.004)) ** 2)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", ["resistor", "source", "source against the arrow"])
 def test_powers_of_sizes_are_no_corners_for_steps(kind: str) -> None:
     """A varistor with ``abs(v)^4`` is driven through zero, as one with ``v^4`` is (HB-N410).

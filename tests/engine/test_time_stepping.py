@@ -115,6 +115,7 @@ def test_a_program_in_c_makes_the_same_steps(tmp_path: Path, theta: float) -> No
 
 
 @pytest.mark.java
+@pytest.mark.slow
 def test_a_java_class_makes_the_same_steps(tmp_path: Path) -> None:
     source = tmp_path / "Ball.java"
     source.write_text(to_java(ball(), name="Ball", until=1.0, solver="moreau-jean", step=H))

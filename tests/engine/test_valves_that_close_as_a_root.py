@@ -48,6 +48,7 @@ def followed(which: int) -> NDArray[np.float64]:
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("which", "turned"), [(1, False), (7, True)])
+@pytest.mark.sampled(1)
 def test_a_valve_closes_within_the_tolerance(
     solver: str, law: str, which: int, turned: bool
 ) -> None:

@@ -52,6 +52,7 @@ def test_members_of_a_sweep_end_where_runs_do(law: str) -> None:
 
 
 @needs_c
+@pytest.mark.slow
 def test_a_program_ends_where_runs_do(tmp_path: Path) -> None:
     program = compile_quickly(str(hb.export(drawn(LAWS["min and max"]), to="c")), tmp_path, "drawn")
     for lim, R in zip(*SET.values(), strict=True):

@@ -106,6 +106,7 @@ def test_amplitudes_of_what_is_propagated_are_parameters(solver: str, tmp_path: 
 
 
 @needs_c
+@pytest.mark.slow
 def test_it_is_the_program_that_is_exported_with_them(tmp_path: Path) -> None:
     """To the last bit, also where the motion is chaotic."""
     model = hb.load(EXAMPLES / "bouncing_rod.toml")
@@ -135,6 +136,7 @@ def circuits() -> hb.Model:
 
 
 @needs_c
+@pytest.mark.slow
 def test_what_follows_from_a_parameter(tmp_path: Path) -> None:
     """Parameters of one value, made of others, in starts and in tables: each goes its own way."""
     model = circuits()

@@ -121,6 +121,7 @@ def test_one_impact_in_n_periods_has_the_speed_of_the_closed_form() -> None:
         assert apart == pytest.approx([2.0 * math.pi * n / w] * 7, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_period_doubles_where_the_map_of_the_impacts_says() -> None:
     w, low, high = 2.64, 0.0, 0.02
     for _ in range(50):

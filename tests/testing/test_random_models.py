@@ -231,6 +231,7 @@ def test_errors_that_fall_with_the_tolerance_are_no_finding_and_others_are() -> 
     assert not _by_tolerance(replace(finding, apart=0.02), model, recipe.until, 20.0)
 
 
+@pytest.mark.slow
 def test_what_errs_by_little_from_the_beginning_need_not_fall() -> None:
     """Of two runs of 200 swings one errs by 5e-3, which falls; the other by 1e-5, which halves."""
     m = hb.Model("swings")

@@ -258,7 +258,7 @@ def test_spring_that_comes_to_the_edge_of_what_a_sign_gives(solver):
     assert run.audit().holds()
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", ["mass", "driven", "driven, arrows turned", "behind a gyrator"])
 def test_implicit_steps_to_the_edge_of_what_a_sign_gives(kind):
     # what is left for the storage once a sign has taken its own part; from 25 time constants on

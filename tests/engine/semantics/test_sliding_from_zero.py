@@ -148,6 +148,7 @@ def agrees(run: hb.Result, kind: str, name: str, dual: bool) -> None:
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("name", REFERENCES)
 @pytest.mark.parametrize("kind", BONDS)
+@pytest.mark.sampled(15)
 def test_a_coil_without_current_is_led_up_along_its_reference(
     kind: str, name: str, dual: bool, turned: bool, solver: str
 ) -> None:

@@ -11,7 +11,7 @@ from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.outcome.ever_faster import said_of_many
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
-from hybond.engine.outcome.refusals import NO_VALUE, Said, said_of
+from hybond.engine.outcome.refusals import NO_VALUE, Said, no_solution_of, said_of
 from hybond.engine.outcome.starts import storage_at_start
 from hybond.errors import (
     CausalityError,
@@ -136,8 +136,14 @@ def error_of(
         case "HB-J201" | "HB-J202" | "HB-J203":
             said = replace(said, where=_struck(graph, fault.mode) or said.where)
         case "HB-N401":
-            kind = DivergenceOfTime
-            said = _cycle(fault, graph, explain, broken)
+            cycle = _cycle(explain, broken)
+            asked = _asked_for_more(graph, cycle)
+            if asked:
+                code = "HB-N301"
+                said = no_solution_of(graph, asked, refusal.t, graph.nodes[asked[0]].path)
+            else:
+                kind = DivergenceOfTime
+                said = _cycle_said(fault, graph, cycle)
         case "HB-N302":
             at_rest = storage_at_start(graph) if refusal.t == 0.0 else None
             said = at_rest or said_of(refusal, graph, explain, fault.mode) or said
@@ -217,45 +223,55 @@ def _struck(graph: FlatGraph, mode: Mode) -> str:
     return ", ".join(m.path for m, k in pairs if m.law is not None and not m.law.two_sided and k)
 
 
-def _cycle(
-    fault: Fault,
-    graph: FlatGraph,
-    explain: Explaining,
-    broken: tuple[Instants, int] | None,
-) -> Said:
+Cycle = list[tuple[Mode, tuple[Fired, ...]]]
+"""Modes that follow each other, each with what led to it."""
+
+
+def _cycle(explain: Explaining, broken: tuple[Instants, int] | None) -> Cycle:
+    """Return the modes of an instant without end from one to the same again; none if unknown."""
+    if broken is None:
+        return []
+    found, k = broken
+    mode = found.before(k)
+    visited: Cycle = [(mode, ())]
+    for v in range(int(found.visit[k]), int(found.visit[k + 1])):
+        mode = explain.entered(found, v, mode)
+        visited.append((mode, explain.fired(found, v)))
+    modes = [m for m, _ in visited]
+    period = _period(modes)
+    # the library finds a cycle some rounds after it has begun
+    begin = len(modes) - 1 - period
+    while begin > 0 and modes[begin - 1] == modes[begin - 1 + period]:
+        begin -= 1
+    visited = visited[begin : begin + period + 1]
+    visited[0] = (visited[0][0], ())
+    return visited
+
+
+def _asked_for_more(graph: FlatGraph, cycle: Cycle) -> list[int]:
+    """Return the resistors whose pieces alone follow each other: none of them has a solution."""
+    fired = {f.machine for _, all_fired in cycle for f in all_fired}
+    machines = [m for m in graph.machines if m.path in fired]
+    if not all(m.pieces for m in machines):
+        return []
+    return [n.index for n in graph.nodes if n.path in fired]
+
+
+def _cycle_said(fault: Fault, graph: FlatGraph, cycle: Cycle) -> Said:
     """Tell the modes that follow each other, each with what led to it."""
-    lines: list[str] = []
-    hint = ""
-    focus: set[str] = set()
-    last = fault.mode
-    if broken is not None:
-        found, k = broken
-        mode = found.before(k)
-        visited: list[tuple[Mode, tuple[Fired, ...]]] = [(mode, ())]
-        for v in range(int(found.visit[k]), int(found.visit[k + 1])):
-            mode = explain.entered(found, v, mode)
-            visited.append((mode, explain.fired(found, v)))
-        modes = [m for m, _ in visited]
-        period = _period(modes)
-        # the library finds a cycle some rounds after it has begun
-        begin = len(modes) - 1 - period
-        while begin > 0 and modes[begin - 1] == modes[begin - 1 + period]:
-            begin -= 1
-        visited = visited[begin : begin + period + 1]
-        visited[0] = (visited[0][0], ())
-        all_fired = [f for _, fired in visited for f in fired]
-        focus = {f.machine for f in all_fired}
-        hint = _levels(all_fired)
-        last = visited[-1][0]
-        for mode, fired in visited:
-            why = "; ".join(_fired_text(f) for f in fired)
-            lines.append(f"({graph.mode_text(mode, focus)})" + (f" by {why}" if why else ""))
+    all_fired = [f for _, fired in cycle for f in fired]
+    focus = {f.machine for f in all_fired}
+    lines = []
+    for mode, fired in cycle:
+        why = "; ".join(_fired_text(f) for f in fired)
+        lines.append(f"({graph.mode_text(mode, focus)})" + (f" by {why}" if why else ""))
     why = (
         f"time cannot advance at t = {fault.refusal.t:.9g} s: the modes "
         + " -> ".join(lines)
         + " follow each other without end"
     )
-    return Said(why, graph.mode_text(last, focus), hint)
+    last = cycle[-1][0] if cycle else fault.mode
+    return Said(why, graph.mode_text(last, focus), _levels(all_fired) if cycle else "")
 
 
 def _levels(fired: list[Fired]) -> str:
