@@ -8,6 +8,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.algebra.products import copy_floats, copy_places, largest
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.instant.back_by_dust import vanishes
 from hybond.engine.instant.instant import (
     CONTINUOUS,
     PINNACLE,
@@ -35,7 +36,6 @@ from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.crossings import vanishes
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.combine import combine_here

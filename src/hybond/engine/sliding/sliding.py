@@ -17,6 +17,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_places
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.instant.back_by_dust import refuse_turns
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
@@ -59,7 +60,7 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     if find_met(e, i, before, moved) != OK:
         return REFUSED
     if s.met == 0 and s.many == 0:
-        return show_again(e)
+        return refuse_turns(e, i) if show_again(e) == OK else REFUSED
     part_from(e)
     met = s.met
     copy_places(met, s.met_surface, 0, s.first_met, 0)
@@ -95,7 +96,9 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     if held > 0 or slid > 0 or led:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)
-    return go_on_sliding(e, i, slid, decided == COLLAPSES)
+    if go_on_sliding(e, i, slid, decided == COLLAPSES) != OK:
+        return REFUSED
+    return refuse_turns(e, i)
 
 
 def part_from(e: Engine) -> None:
