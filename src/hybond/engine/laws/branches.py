@@ -153,6 +153,8 @@ def let_go(e: Engine, row: int, k: int) -> None:
             go = state
     if m.port_two_sided[k] != 0:
         go = FORWARD if e.slide.barred[k] > 0 else BACKWARD
+    if go < 0:
+        return  # one that carries something in each of its branches never lets go
     e.slide.branch.at[row * m.machines + machine] = go
 
 

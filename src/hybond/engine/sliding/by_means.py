@@ -15,7 +15,7 @@ from hybond.engine.laws.branches import choose_anew
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.from_edge import slides_on_some, take_first_met
-from hybond.engine.sliding.ways_on import A_WAY, STOPS
+from hybond.engine.sliding.ways_on import A_WAY, CHOSEN, NONE_HOLDS, STOPS
 from hybond.engine.surfaces.blend import average
 from hybond.engine.surfaces.corners import put_coefficients
 from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
@@ -28,10 +28,11 @@ DRIVEN: Final = 1e-12
 
 
 def decide_by_means(e: Engine, met: int) -> int:
-    """Decide how to slide on the surfaces first met with laws that push on the mean, or let go."""
-    m = e.model
+    """Decide how to slide on the surfaces first met with laws that push on the mean, or let go.
+
+    CHOSEN, or what is decided where they do not slide then, or NONE_HOLDS.
+    """
     s = e.slide
-    pulls = first_to_pull(e)
     decided = A_WAY
     for _ in range(MOST):
         if decided != A_WAY or not slides_on_some(e):
@@ -39,8 +40,7 @@ def decide_by_means(e: Engine, met: int) -> int:
         wrong = first_wrong(e)
         if wrong == NONE_PULLS:
             end_bars(e)
-            s.from_edge = True
-            return A_WAY
+            return CHOSEN
         s.barred[wrong] = 0 if s.barred[wrong] != 0 else -1 if s.push[wrong] < 0.0 else 1
         choose_anew(e)
         decided = decide_led(e) if take_first_met(e, met) == OK else STOPS
@@ -48,11 +48,16 @@ def decide_by_means(e: Engine, met: int) -> int:
     choose_anew(e)
     if decided == STOPS or (decided == A_WAY and not slides_on_some(e)):
         return decided
+    return NONE_HOLDS
+
+
+def refuse_pull(e: Engine, pulls: int) -> int:
+    """Refuse a law that would carry what it cannot, whatever others do."""
     say_fault(e, "HB-N417", "a law would carry on the mean of fast switching what it cannot", "")
-    if m.tells != 0:
+    if e.model.tells != 0:
         add_fact(e.fault, float(pulls))
-        for j in range(s.k):
-            add_fact(e.fault, float(s.side[j]))
+        for j in range(e.slide.k):
+            add_fact(e.fault, float(e.slide.side[j]))
     return STOPS
 
 

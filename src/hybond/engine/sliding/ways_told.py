@@ -14,10 +14,12 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.reasons.warned import (
     NO_WAY_ON,
     NOT_UNIQUE,
+    OWN_JUMP,
     THROWS_BACK,
     TWIN_SURFACES,
     add_about,
     begin_warning,
+    take_back_warning,
 )
 from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, put_sides, speed_of
 from hybond.engine.surfaces.blend import blend
@@ -29,6 +31,23 @@ SAME_WEIGHTS: Final = 1e-9
 """Weights lie in [0, 1], and come from solved equations: ways closer than this are one."""
 CLEAR_OF_IT: Final = 1e-9
 """A way leaves its surface at more than this part of the largest speed: less is rounding."""
+
+
+def begin_ways(e: Engine) -> None:
+    """Note that from here on it is warned of the decision at this instant."""
+    e.slide.told = e.warned.rows
+
+
+def forget_ways(e: Engine) -> None:
+    """Forget what was warned of a decision that is given up for another one."""
+    row = e.slide.told
+    while row < e.warned.rows:
+        kind = e.warned.kind.at[row]
+        way = kind == NO_WAY_ON or kind == NOT_UNIQUE or kind == THROWS_BACK
+        if way or kind == TWIN_SURFACES or kind == OWN_JUMP:
+            take_back_warning(e.warned, row)
+        else:
+            row += 1
 
 
 def warn_of_surface(e: Engine, kind: int, surface: int) -> None:

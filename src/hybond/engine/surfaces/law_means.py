@@ -60,7 +60,6 @@ def put_law_margins(e: Engine) -> None:
     s = e.slide
     for k in range(m.ports):
         reached = s.common and s.reached[k] != 0
-        s.push_size[k] = 0.0
         s.margin[2 * s.k + k] = room_of(e, k) if reached else 1.0
 
 
@@ -92,8 +91,8 @@ def room_of(e: Engine, k: int) -> float:
         room = most - math.fabs(total)
         size = max(size, most)
     s.push[k] = total
-    s.push_size[k] = max(s.push_size[k], size)
-    return room / s.push_size[k] if s.push_size[k] > 0.0 else 1.0
+    s.push_size[k] = size
+    return room / size if size > 0.0 else 1.0
 
 
 def limit_of(e: Engine, k: int) -> float:
@@ -128,7 +127,6 @@ def first_to_pull(e: Engine) -> int:
     put_coefficients(s, s.best_weight, s.coefficient)
     s.known = False
     for k in range(m.ports):
-        s.push_size[k] = 0.0
         if s.reached[k] != 0 and room_of(e, k) < -PULLS:
             return k
     return NONE_PULLS

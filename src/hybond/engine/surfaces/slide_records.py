@@ -62,8 +62,6 @@ class Slide:
     choose_s: Floats
     kept_pre: Floats
     # those a little ahead of laws that are at their ends: from_edge.py
-    from_edge: bool
-    """Whether the branches chosen are those a little ahead."""
     edge_rate: Block
     """Of each part, then of the combination: the rates by which it is looked ahead."""
     modes_now: Places
@@ -219,6 +217,8 @@ class Slide:
     """Of each surface: whether it was said that jumps back and forth over it have no end."""
     ways: Block
     """Weights of the ways on."""
+    told: int
+    """Where warnings begin of the decision at this instant."""
 
 
 def make_slide(m: Model) -> Slide:
