@@ -6,6 +6,9 @@ impulses. Their mean had no sign: the clutch braked what it can only push.
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -98,6 +101,41 @@ def test_what_is_pushed_runs_on_alone_and_is_caught_up_with(
     assert np.min(carried) >= -1e-9 and np.max(carried) > 1.0
     # it has let go of what it pushed between
     assert carried[(t > 1.7) & (t < 4.0)] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("form", ["clutch", "valve"])
+@pytest.mark.parametrize(("own", "load", "turned"), [(0.5, 0.2, False), (0.3, 0.4, True)])
+def test_a_run_taken_up_just_after_a_law_let_go_goes_on_without_it(
+    form: str, own: float, load: float, turned: bool, solver: str
+) -> None:
+    push = lambda s: own * 4.5 * np.cos(1.5 * s) + load * 3 * np.sin(1.5 * s)  # noqa: E731
+    off = brentq(push, np.pi / 3, 2 * np.pi / 3)
+    t = np.linspace(2.0, 2.9, 10)
+    whole = hb.simulate(pushed(form, own, load, turned=turned)[0], until=3.0, solver=solver)
+    for late in (1e-9, 1e-7, 1e-6, 3e-6, 1e-4):
+        model, first, second = pushed(form, own, load, turned=turned)
+        cut = hb.simulate(model, until=float(off + late), solver=solver)
+        for state in (cut.state(), whole.state(float(off + late))):
+            run = hb.simulate(model, until=3.0, start=state, solver=solver)
+            assert run.status == "ok" and run.audit().holds()
+            assert run[first].at(t) == pytest.approx(3 * np.sin(1.5 * t), abs=1e-9)
+            assert run[second].at(t) == pytest.approx(by_hand(t, own, load), abs=1e-6)
+
+
+def test_a_state_of_a_motion_along_a_surface_is_saved_and_read(tmp_path: Path) -> None:
+    model, first, second = pushed("clutch")
+    hb.simulate(model, until=1.3).state().save(tmp_path / "state.json")
+    run = hb.simulate(model, until=3.0, start=hb.load_state(tmp_path / "state.json"))
+    t = np.linspace(1.4, 2.9, 10)
+    assert run[first].at(t) == pytest.approx(3 * np.sin(1.5 * t), abs=1e-9)
+    assert run[second].at(t) == pytest.approx(by_hand(t, 0.5, 0.2), abs=1e-6)
+    text = (tmp_path / "state.json").read_text()
+    state = json.loads(text)
+    state["memory"]["places"][6] = 7
+    (tmp_path / "state.json").write_text(json.dumps(state))
+    with pytest.raises(hb.UsageError, match="HB-S134"):
+        hb.simulate(model, until=3.0, start=hb.load_state(tmp_path / "state.json"))
 
 
 def test_a_switch_in_a_thin_band_says_the_same() -> None:

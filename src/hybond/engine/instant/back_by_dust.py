@@ -34,15 +34,16 @@ def vanishes(e: Engine, moved: Floats, y: Floats) -> bool:
     return True
 
 
-def is_back_by_dust(e: Engine, g: Settling, i: Instant, many: int) -> bool:
+def is_back_by_dust(e: Engine, g: Settling, many: int) -> bool:
     """Whether what fires now has led back here by jumps that are next to nothing.
 
     It has fired `many` times before at this instant, each time in another mode.
     """
     m = e.model
-    if m.surfaces == 0 or m.slides == 0 or m.method == MOREAU:
+    if m.laws == 0 or m.surfaces == 0 or m.slides == 0 or m.method == MOREAU:
         return False
     if many == 0:
+        g.some_dust = False
         g.by_dust = not e.trial.jumps
         copy_places(m.machines, g.target, 0, g.first_target, 0)
         return False
@@ -50,7 +51,8 @@ def is_back_by_dust(e: Engine, g: Settling, i: Instant, many: int) -> bool:
         for k in range(m.storages):
             g.moved[k] = e.trial.x[k] - g.x[k]
         g.by_dust = vanishes(e, g.moved, g.x)
-    if not g.by_dust or e.trial.jumps:
+        g.some_dust = True
+    if not (g.by_dust and g.some_dust) or e.trial.jumps:
         return False
     for k in range(m.machines):
         if e.trial.state[k] != g.state[k] or g.target[k] != g.first_target[k]:

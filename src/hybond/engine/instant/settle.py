@@ -199,7 +199,7 @@ def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
         if fired > 0 and comes_back(e, g):
             find_standing(e, g)
             fired = find_enabled(e, g, e.t)
-        if fired > 0 and written < 0 and is_back_by_dust(e, g, i, many):
+        if fired > 0 and written < 0 and is_back_by_dust(e, g, many):
             i.by_dust = True
             return many
         if fired == 0 and g.stands > 0 and not e.trial.jumps:

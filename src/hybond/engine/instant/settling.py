@@ -24,8 +24,9 @@ class Settling:
     target: Ints
     entered: Ints
     first_target: Ints
-    """What fired first at the instant; whether jumps since then were next to nothing."""
+    """What fired first at the instant; whether jumps since then were next to nothing, and any."""
     by_dust: bool
+    some_dust: bool
     moved: Floats
     held: Ints
     """Of each rule: whether it was asked of the trial, and holds."""

@@ -22,7 +22,7 @@ from hybond.engine.reasons.warned import (
     take_back_warning,
 )
 from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, put_sides, speed_of
-from hybond.engine.surfaces.blend import blend
+from hybond.engine.surfaces.blend import blend, find_pushes, find_speeds
 from hybond.engine.surfaces.outputs import show_state
 
 PUSHED: Final = 1e-9
@@ -35,7 +35,7 @@ CLEAR_OF_IT: Final = 1e-9
 
 def begin_ways(e: Engine) -> None:
     """Note that from here on it is warned of the decision at this instant."""
-    e.slide.told = e.warned.rows
+    e.slide.told = e.warned.rows if e.model.tells != 0 else 0
 
 
 def forget_ways(e: Engine) -> None:
@@ -94,6 +94,8 @@ def warn_of_ways(e: Engine) -> None:
         ways += 1 if is_way(e) else 0
     if ways < 2:
         return
+    if s.common and (find_pushes(e) != OK or find_speeds(e, True) != OK):
+        return
     # those that slide most come first, and of ways that are one the first counts
     for slides in range(s.k, -1, -1):
         for number in range(total):
@@ -127,9 +129,14 @@ def is_known_way(e: Engine, many: int) -> bool:
 
 
 def is_clear(e: Engine) -> bool:
-    """Whether a way leaves its surfaces at a speed that is more than rounding."""
+    """Whether a way leaves its surfaces at a speed that is more than rounding.
+
+    What constraints keep at rest is rounding of what would move without them.
+    """
     s = e.slide
     most = largest(s.parts * s.k, s.part_speed)
+    if s.common:
+        most = max(most, largest(s.parts * s.k, s.plain_speed))
     for j in range(s.k):
         if s.trial_side[j] != SLIDES and not math.fabs(speed_of(e, j)) > CLEAR_OF_IT * most:
             return False
