@@ -19,7 +19,7 @@ from hybond.engine.instant.back_by_dust import refuse_turns
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.sliding.by_means import decide_by_means, refuse_pull
+from hybond.engine.sliding.by_means import decide_by_means, first_unheld, refuse_pull
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
@@ -43,7 +43,7 @@ from hybond.engine.sliding.ways_on import (
 from hybond.engine.sliding.ways_told import begin_ways
 from hybond.engine.sliding.what_happened import fired_once, has_moved, is_held
 from hybond.engine.surfaces.corners import put_side
-from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
+from hybond.engine.surfaces.law_means import NONE_PULLS
 from hybond.engine.words import Floats
 
 
@@ -110,7 +110,7 @@ def decide_met(e: Engine, met: int, moved: bool) -> int:
     if not moved and is_held_by_some(e, decided):
         decided = decide_from_edge(e, met)
     if (decided == A_WAY or decided == CHOSEN) and slides_on_some(e):
-        pulls = first_to_pull(e)
+        pulls = first_unheld(e)
         if pulls != NONE_PULLS:
             decided = decide_by_means(e, met)
         if decided == NONE_HOLDS:
@@ -155,7 +155,7 @@ def decide_collapsed(e: Engine) -> int:
     s.met = 1
     s.met_surface[0] = surface
     decided = decide(e)
-    if decided == A_WAY and s.best[0] == SLIDES and first_to_pull(e) != NONE_PULLS:
+    if decided == A_WAY and s.best[0] == SLIDES and first_unheld(e) != NONE_PULLS:
         decided = decide_by_means(e, 1)
     if (decided == A_WAY or decided == CHOSEN) and s.best[0] == SLIDES:
         return COLLAPSES

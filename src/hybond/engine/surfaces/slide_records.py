@@ -53,7 +53,10 @@ class Slide:
     push_size: Floats
     """What each law carries on the mean, and the size of the terms that made it."""
     barred: Ints
-    """Of each port: 0, or the side on which its law lets go in all branches chosen: by_means.py."""
+    """Of each port: 0, the side on which its law lets go in all branches chosen, or HELD."""
+    meant: Ints
+    """Of each port: whether its friction rests in all branches chosen, by what it carries on the
+    mean alone."""
     # the branches of junction laws in the modes around: branches.py
     branches: int
     branch: Places
@@ -254,6 +257,7 @@ def make_slide(m: Model) -> Slide:
     s.push = floats(m.ports)
     s.push_size = floats(m.ports)
     s.barred = ints(m.ports)
+    s.meant = ints(m.ports)
     s.freedom = make_block(1)
     s.branch = make_places(1)
     s.modes_now = make_places(1)
