@@ -247,3 +247,21 @@ def test_a_run_cut_where_it_begins_to_slide_goes_on_sliding(
         i = np.array([REFERENCES[name][1](x)[0] for x in t])
         assert run["coil.f"].at(t) == pytest.approx(i, abs=1e-8)
         assert run["out.e"].at(t) == pytest.approx(expected(kind, name)(t), rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("turned", [False, True])
+def test_nothing_is_warned_of_where_a_rectified_voltage_begins_at_zero(
+    turned: bool, solver: str
+) -> None:
+    # at zero nothing pushes from either side; the coil catches up with its reference a little later
+    m = model("boost", "abs(sin(3*time))", turned=turned)
+    m.elements["src"] = hb.Se(f"{V}*abs(sin(3*time))")
+    run = hb.simulate(m, until=0.95, solver=solver)
+    assert run.status == "ok" and run.audit().holds()
+    assert run.warnings == ()
+    most = V / (3 * L)
+    caught = 2 / 3 * math.atan(1 / most)
+    t = np.linspace(1e-3, 0.94, 200)
+    right = np.where(t < caught, most * (1 - np.cos(3 * t)), np.sin(3 * t))
+    assert run["coil.f"].at(t) == pytest.approx(right, abs=1e-7)

@@ -153,5 +153,5 @@ def warn_of_strokes(e: Engine) -> None:
     low = s.plain_speed[0]
     high = -s.plain_speed[1]
     size = math.fabs(low) + math.fabs(high)
-    if size == 0.0 or (low > PUSHED * size and high > PUSHED * size):
+    if low > PUSHED * size and high > PUSHED * size:
         warn_of_surface(e, THROWS_BACK, s.side[0])
