@@ -189,6 +189,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     instant/
         settle, settling, enabled    trying modes at an instant until none is left; what a cycle is
                             told by; which rules hold
+        back_by_dust        ... or by jumps that are next to nothing
         ceasing             what is no cycle, as it ceases within the instant
         beginning           what is a priori where a run begins; states it cannot begin in
         staying, passed_over    what is known of the last trial; modes without a solution

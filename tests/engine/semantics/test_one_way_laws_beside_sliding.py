@@ -6,6 +6,9 @@ impulses. Their mean had no sign: the clutch braked what it can only push.
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -98,6 +101,41 @@ def test_what_is_pushed_runs_on_alone_and_is_caught_up_with(
     assert np.min(carried) >= -1e-9 and np.max(carried) > 1.0
     # it has let go of what it pushed between
     assert carried[(t > 1.7) & (t < 4.0)] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("form", ["clutch", "valve"])
+@pytest.mark.parametrize(("own", "load", "turned"), [(0.5, 0.2, False), (0.3, 0.4, True)])
+def test_a_run_taken_up_just_after_a_law_let_go_goes_on_without_it(
+    form: str, own: float, load: float, turned: bool, solver: str
+) -> None:
+    push = lambda s: own * 4.5 * np.cos(1.5 * s) + load * 3 * np.sin(1.5 * s)  # noqa: E731
+    off = brentq(push, np.pi / 3, 2 * np.pi / 3)
+    t = np.linspace(2.0, 2.9, 10)
+    whole = hb.simulate(pushed(form, own, load, turned=turned)[0], until=3.0, solver=solver)
+    for late in (1e-9, 1e-7, 1e-6, 3e-6, 1e-4):
+        model, first, second = pushed(form, own, load, turned=turned)
+        cut = hb.simulate(model, until=float(off + late), solver=solver)
+        for state in (cut.state(), whole.state(float(off + late))):
+            run = hb.simulate(model, until=3.0, start=state, solver=solver)
+            assert run.status == "ok" and run.audit().holds()
+            assert run[first].at(t) == pytest.approx(3 * np.sin(1.5 * t), abs=1e-9)
+            assert run[second].at(t) == pytest.approx(by_hand(t, own, load), abs=1e-6)
+
+
+def test_a_state_of_a_motion_along_a_surface_is_saved_and_read(tmp_path: Path) -> None:
+    model, first, second = pushed("clutch")
+    hb.simulate(model, until=1.3).state().save(tmp_path / "state.json")
+    run = hb.simulate(model, until=3.0, start=hb.load_state(tmp_path / "state.json"))
+    t = np.linspace(1.4, 2.9, 10)
+    assert run[first].at(t) == pytest.approx(3 * np.sin(1.5 * t), abs=1e-9)
+    assert run[second].at(t) == pytest.approx(by_hand(t, 0.5, 0.2), abs=1e-6)
+    text = (tmp_path / "state.json").read_text()
+    state = json.loads(text)
+    state["memory"]["places"][6] = 7
+    (tmp_path / "state.json").write_text(json.dumps(state))
+    with pytest.raises(hb.UsageError, match="HB-S134"):
+        hb.simulate(model, until=3.0, start=hb.load_state(tmp_path / "state.json"))
 
 
 def test_a_switch_in_a_thin_band_says_the_same() -> None:
@@ -222,34 +260,105 @@ def test_a_contact_that_is_led_away_from_opens_its_gap(solver: str) -> None:
     assert run["v2.f"].at(t) == pytest.approx(by_hand(t, 0.5, 0.2), abs=1e-6)
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize("high", [12.0, 15.0])
-def test_friction_holds_no_more_than_its_limit_on_the_mean(high: float, solver: str) -> None:
-    """The disc slips while the drive is on, and sticks while it brakes."""
-    own, load, limit, end = 0.6, 0.3, 2.0, 1.4
+def disc(
+    high: float,
+    low: float,
+    ref: str,
+    *,
+    limit: float = 2.0,
+    load: float = 0.3,
+    turned: bool = False,
+) -> tuple[hb.Model, str, str, str]:
+    """Return a shaft that a relay leads, a dry clutch, and a wheel behind it."""
     m = hb.Model("disc")
-    m.add(
-        drive=hb.Se(f'if q.state == "on" then {high} else -2.6'),
-        w1=hb.One(),
-        w2=hb.One(),
-        shaft=hb.I(0.3),
-        wheel=hb.I(own),
-        drag=hb.R(load),
-        between=hb.Zero(),
-        disc=hb.One(law="coulomb", limit=limit),
-    )
-    m.bond("drive -> w1 -> shaft", "w1 -> between -> w2 -> wheel", "w2 -> drag", "between -> disc")
-    m.signal(ref="0.5*time + time^3")
+    parts: dict[str, hb.Part] = {
+        "drive": hb.Se(f'if q.state == "on" then {high} else {low}'),
+        "w1": hb.One(),
+        "w2": hb.One(),
+        "shaft": hb.I(0.3),
+        "wheel": hb.I(0.6),
+        "drag": hb.R(load),
+        "between": hb.Zero(),
+        "disc": hb.One(law="coulomb", limit=limit),
+    }
+    bonds = ["drive -> w1", "w1 -> shaft", "w1 -> between", "between -> w2", "w2 -> wheel"]
+    bonds += ["drag -> w2" if turned else "w2 -> drag"]
+    bonds += ["disc -> between" if turned else "between -> disc"]
+    if turned:
+        parts = dict(reversed(parts.items()))
+        bonds.reverse()
+    m.add(**parts)
+    m.bond(*bonds)
+    m.signal(ref=ref)
     m.machine("q", states={"off": [], "on": []}, start="off", rules=rules("w1.f"))
+    return m, "w1.f", "w2.f", "between.e"
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("high", "low"), [(12.0, -2.6), (15.0, -2.6), (12.0, -6.0), (20.0, -9.0)])
+def test_friction_holds_no_more_than_its_limit_on_the_mean(
+    high: float, low: float, turned: bool, solver: str
+) -> None:
+    """The disc slips while the drive is on, and sticks while it brakes, or slips the other way."""
+    own, load, limit, end = 0.6, 0.3, 2.0, 1.4
+    m, first, second, force = disc(high, low, "0.5*time + time^3", turned=turned)
     lead = lambda s: 0.5 * s + s**3  # noqa: E731
     slips = brentq(lambda s: own * (0.5 + 3 * s * s) + load * lead(s) - limit, 0.1, 1.3)
     run = hb.simulate(m, until=end, solver=solver)
     t = np.linspace(0.02, end * 0.98, 40)
     rest = limit / load
     alone = rest + (lead(slips) - rest) * np.exp(-(t - slips) * load / own)
-    assert run["w1.f"].at(t) == pytest.approx(lead(t), abs=1e-8)
-    assert run["w2.f"].at(t) == pytest.approx(np.where(t < slips, lead(t), alone), abs=1e-6)
-    assert np.max(run["between.e"].at(t)) <= limit + 1e-9
+    assert run.status == "ok" and run.audit().holds()
+    assert run[first].at(t) == pytest.approx(lead(t), abs=1e-8)
+    assert run[second].at(t) == pytest.approx(np.where(t < slips, lead(t), alone), abs=1e-6)
+    assert np.max(run[force].at(t)) <= limit + 1e-9
+
+
+def stuck_or_slipping(limit: float, load: float, omega: float, end: float) -> np.ndarray:
+    """Step a wheel of 0.6 behind friction that is led by `2 sin(omega t)`, implicitly."""
+    steps = 40000
+    h = end / steps
+    w = np.zeros(steps + 1)
+    for k in range(steps):
+        most = 1 / (0.6 / h + load)
+        force = (2 * np.sin(omega * (k + 1) * h) - most * 0.6 / h * w[k]) / most
+        w[k + 1] = most * (0.6 / h * w[k] + max(-limit, min(limit, force)))
+    return w
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("limit", "load", "omega", "drive"), [(1.0, 0.3, 2.0, 12.0), (2.0, 0.5, 1.5, 9.0)]
+)
+def test_friction_that_a_switch_makes_slip_both_ways_sticks_and_slips_on_the_mean(
+    limit: float, load: float, omega: float, drive: float, turned: bool, solver: str
+) -> None:
+    # in each mode alone the torque is far too large for the clutch
+    ref = f"2*sin({omega}*time)"
+    m, first, second, force = disc(drive, -drive, ref, limit=limit, load=load, turned=turned)
+    run = hb.simulate(m, until=5.0, solver=solver)
+    t = np.linspace(0.1, 4.9, 60)
+    right = np.interp(t, np.linspace(0, 5.0, 40001), stuck_or_slipping(limit, load, omega, 5.0))
+    assert run.status == "ok" and run.audit().holds()
+    assert len(run.events) < 20
+    assert run[first].at(t) == pytest.approx(2 * np.sin(omega * t), abs=1e-8)
+    assert run[second].at(t) == pytest.approx(right, abs=5e-4)
+    assert np.max(np.abs(run[force].at(t))) <= limit + 1e-9
+
+
+def test_a_switch_in_a_thin_band_says_the_same_of_friction() -> None:
+    """By hand, in no time of hybond's: Euler's method, friction implicit, a band of 1e-3."""
+    w1, w2, on, h = 0.0, 0.0, True, 1e-5
+    for k in range(int(2.0 / h)):
+        ref = 2 * np.sin(2 * k * h)
+        on = w1 < ref + 1e-3 if on else w1 < ref - 1e-3
+        one, other = w1 + h * (12.0 if on else -12.0) / 0.3, w2 * (1 - h * 0.3 / 0.6)
+        force = max(-1.0, min(1.0, (one - other) / (h / 0.3 + h / 0.6)))
+        w1, w2 = one - h * force / 0.3, other + h * force / 0.6
+    m, _, second, _ = disc(12.0, -12.0, "2*sin(2*time)", limit=1.0)
+    assert hb.simulate(m, until=2.0)[second].at(2.0) == pytest.approx(w2, abs=5e-3)
 
 
 def test_a_run_whose_law_pulls_on_the_mean_is_unsound(monkeypatch: pytest.MonkeyPatch) -> None:

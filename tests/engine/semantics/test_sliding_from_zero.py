@@ -137,6 +137,7 @@ def agrees(run: hb.Result, kind: str, name: str, dual: bool) -> None:
     flow, effort = ("e", "f") if dual else ("f", "e")
     assert run.status == "ok"
     assert run.audit().holds()
+    assert run.warnings == ()
     t = np.linspace(0.01, UNTIL - 0.01, 173)
     i = np.array([REFERENCES[name][1](x)[0] for x in t])
     assert run[f"coil.{flow}"].at(t) == pytest.approx(i, abs=1e-8)
@@ -214,3 +215,54 @@ def test_what_stood_before_moves_in_the_modes_that_are_looked_at(
     assert run.status == "ok"
     assert len(run.events) == 2  # the start, and the instant from which it slides
     assert run["n.e"].at(np.array([0.5, 1.5])) == pytest.approx([v0, v0 - 0.5], rel=1e-12)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("dual", [False, True])
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("kind", BONDS)
+def test_a_reference_that_begins_all_but_at_zero_is_followed(
+    kind: str, turned: bool, dual: bool, solver: str
+) -> None:
+    # so little current counts for none: the diode blocked, the switch closed, and opened again
+    for begin in ("1e-15", "1e-14", "1e-13", "1e-12", "1e-11", "1e-10", "1e-9"):
+        m = model(kind, f"3*time + {begin}", dual=dual, turned=turned)
+        agrees(hb.simulate(m, until=UNTIL, solver=solver), kind, "ramp", dual)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", ["late", "humps", "ramp"])
+@pytest.mark.parametrize("kind", BONDS)
+def test_a_run_cut_where_it_begins_to_slide_goes_on_sliding(
+    kind: str, name: str, solver: str
+) -> None:
+    m = model(kind, REFERENCES[name][0])
+    begins = hb.simulate(m, until=UNTIL, solver=solver).sliding[0].t0
+    for late in (0.0, 1e-13, 1e-9, 1e-6):
+        if begins + late == 0.0:
+            continue
+        state = hb.simulate(m, until=UNTIL, solver=solver).state(begins + late)
+        run = hb.simulate(m, until=UNTIL, start=state, solver=solver)
+        assert run.status == "ok" and run.audit().holds()
+        t = np.linspace(0.5, UNTIL - 0.01, 50)
+        i = np.array([REFERENCES[name][1](x)[0] for x in t])
+        assert run["coil.f"].at(t) == pytest.approx(i, abs=1e-8)
+        assert run["out.e"].at(t) == pytest.approx(expected(kind, name)(t), rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("turned", [False, True])
+def test_nothing_is_warned_of_where_a_rectified_voltage_begins_at_zero(
+    turned: bool, solver: str
+) -> None:
+    # at zero nothing pushes from either side; the coil catches up with its reference a little later
+    m = model("boost", "abs(sin(3*time))", turned=turned)
+    m.elements["src"] = hb.Se(f"{V}*abs(sin(3*time))")
+    run = hb.simulate(m, until=0.95, solver=solver)
+    assert run.status == "ok" and run.audit().holds()
+    assert run.warnings == ()
+    most = V / (3 * L)
+    caught = 2 / 3 * math.atan(1 / most)
+    t = np.linspace(1e-3, 0.94, 200)
+    right = np.where(t < caught, most * (1 - np.cos(3 * t)), np.sin(3 * t))
+    assert run["coil.f"].at(t) == pytest.approx(right, abs=1e-7)

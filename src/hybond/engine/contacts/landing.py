@@ -40,6 +40,7 @@ from hybond.engine.guards.guard_values import (
     begin_sizes_in_motion,
     measure_in_motion,
 )
+from hybond.engine.instant.back_by_dust import refuse_turns
 from hybond.engine.instant.instant import (
     ACCUMULATION,
     CONTINUOUS,
@@ -285,7 +286,7 @@ def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
         add_energy(i, before, energy_of(e, e.y), given + power * (e.t - began))
     i.t = e.t
     copy_places(m.machines, e.state, 0, g.before_state, 0)
-    if settle(e, s, i) != OK:
+    if settle(e, s, i) != OK or refuse_turns(e, i) != OK:
         return -1
     if i.steps > 1:
         i.kind.at[0] = PINNACLE

@@ -9,6 +9,7 @@ from hybond.engine.mode.comparisons.sum_records import begin_sums
 from hybond.engine.mode.comparisons.sums import take_sum
 from hybond.engine.mode.reading import read_guard, read_nothing
 from hybond.engine.surfaces.followers import is_led
+from hybond.engine.surfaces.law_means import is_meant, rests_on_mean
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Ints
 
@@ -107,14 +108,14 @@ def watch_slide(e: Engine, g: Locator) -> None:
                 g.pair[g.guards] = m.rest_pair[p]
                 g.test[g.guards] = m.rest_test[p]
                 end_guard(g, m.rest_atom[p], m.rest_atom[p + 1])
-    for margin in range(2 * s.k + (m.ports if s.common else 0)):
-        if margin < 2 * s.k or s.reached[margin - 2 * s.k] != 0:
+    for margin in range(2 * s.k + m.ports):
+        if margin < 2 * s.k or is_meant(e, margin - 2 * s.k):
             begin_guard(g, NONE, ALL_PARTS)
             g.margin[g.guards] = margin
             end_guard(g, NONE - margin, NONE - margin + 1)
     for part in range(s.parts if m.laws > 0 or m.followers > 0 else 0):
         for k in range(m.machines):
-            there = m.is_law[k] != 0 or is_led(m, s, k)
+            there = (m.is_law[k] != 0 and not rests_on_mean(e, k)) or is_led(m, s, k)
             for r in range(m.rule_first[k], m.rule_first[k + 1] if there else 0):
                 asked = m.rule_source[r] == part_mode(e, part).state[k] and m.rule_landed[r] == 0
                 if asked and m.rule_watched[r] != 0:

@@ -38,6 +38,8 @@ class Instant:
     since: float
     """When the step began within which it happened; -1: it was located."""
     cause: int
+    by_dust: bool
+    """Whether machines crossed surfaces and were led back by next to nothing: back_by_dust.py."""
     steps: int
     kind: Places
     hits: int
@@ -101,6 +103,7 @@ def begin_instant(i: Instant, t: float, cause: int) -> None:
     i.t = t
     i.since = -1.0
     i.cause = cause
+    i.by_dust = False
     i.steps = 0
     i.hits = 0
     i.fired = 0

@@ -16,6 +16,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.guards.waiting import wake_all
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
+from hybond.engine.instant.back_by_dust import is_back_by_dust
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
 from hybond.engine.instant.ceasing import find_standing, is_over
 from hybond.engine.instant.doubts import warn_of_moduli
@@ -99,6 +100,8 @@ def settle(e: Engine, g: Settling, i: Instant) -> int:
         if join_written(e) != OK:
             return REFUSED
         written = write(e, g, i)
+        if i.by_dust:
+            break
         if go_on_from_written(e, g, e.t, still) != OK:
             return REFUSED
         by_law(e, g.state, i)
@@ -193,8 +196,12 @@ def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
         if is_over(e, g, fired):
             wake_all(e)
             fired = find_enabled(e, g, e.t)
-        if fired > 0 and comes_back(e, g) and find_standing(e, g):
+        if fired > 0 and comes_back(e, g):
+            find_standing(e, g)
             fired = find_enabled(e, g, e.t)
+        if fired > 0 and written < 0 and is_back_by_dust(e, g, many):
+            i.by_dust = True
+            return many
         if fired == 0 and g.stands > 0 and not e.trial.jumps:
             return many  # it may be the mode from which it was found
         if fired < 0 or look_for_cycle(e, g) != OK:

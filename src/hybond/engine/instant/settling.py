@@ -23,6 +23,11 @@ class Settling:
     state: Ints
     target: Ints
     entered: Ints
+    first_target: Ints
+    """What fired first at the instant; whether jumps since then were next to nothing, and any."""
+    by_dust: bool
+    some_dust: bool
+    moved: Floats
     held: Ints
     """Of each rule: whether it was asked of the trial, and holds."""
     # one earlier trial: the search for a cycle compares with it, and takes a later one in turn
@@ -55,6 +60,8 @@ def make_settling(e: Engine) -> Settling:
     g.state = ints(m.machines)
     g.target = ints(m.machines)
     g.entered = ints(m.machines)
+    g.first_target = ints(m.machines)
+    g.moved = floats(m.storages)
     g.held = ints(m.rule_first[m.machines])
     g.mark_state = ints(m.machines)
     g.mark_written = ints(m.machines)

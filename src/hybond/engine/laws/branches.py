@@ -17,11 +17,13 @@ from hybond.engine.laws.entering import enter
 from hybond.engine.surfaces.branch_table import add_branches, find_branches, take_branches
 from hybond.engine.surfaces.corners import count_corners, put_corner
 from hybond.engine.surfaces.followers import let_follow
+from hybond.engine.surfaces.law_means import HELD
 from hybond.engine.words import Floats, Ints
 
+RESTS: Final = 0
 FORWARD: Final = 1
 BACKWARD: Final = 2
-"""States of friction that slips."""
+"""States of friction: at rest, and as it slips."""
 MOST: Final = 64
 """Modes passed through one after another, at the most, whose branches are chosen."""
 
@@ -41,6 +43,8 @@ def choose_anew(e: Engine) -> None:
     copy_part(e.model.integrals, e.y, e.model.storages, s.choose_s, 0)
     s.branches = 0
     s.entries = 0
+    for k in range(e.model.ports):
+        s.meant[k] = 1 if s.barred[k] == HELD else 0
 
 
 def choose_ahead(e: Engine, time: float, rate: Floats, at: int) -> None:
@@ -143,7 +147,7 @@ def choose(e: Engine, state: Ints) -> None:
 
 
 def let_go(e: Engine, row: int, k: int) -> None:
-    """Let the law of port k carry nothing in the branches of a row, or friction slip."""
+    """Let the law of port k carry nothing in the branches of a row, or friction slip, or rest."""
     m = e.model
     machine = m.port_machine[k]
     go = -1
@@ -153,6 +157,9 @@ def let_go(e: Engine, row: int, k: int) -> None:
             go = state
     if m.port_two_sided[k] != 0:
         go = FORWARD if e.slide.barred[k] > 0 else BACKWARD
+        go = RESTS if e.slide.barred[k] == HELD else go
+    if go < 0:
+        return  # one that carries something in each of its branches never lets go
     e.slide.branch.at[row * m.machines + machine] = go
 
 

@@ -29,6 +29,7 @@ from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.averages import show_part
+from hybond.engine.surfaces.law_means import rests_on_mean
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats
 
@@ -210,7 +211,7 @@ def find_broken(e: Engine, r: Laws) -> int:
         if m.is_law[k] == 0:
             continue
         state = e.trial.state[k]
-        if strikes_next(e, r, k):
+        if strikes_next(e, r, k) or (part >= 0 and rests_on_mean(e, k)):
             continue
         for rule in range(m.rule_first[k], m.rule_first[k + 1]):
             if m.rule_source[rule] != state:

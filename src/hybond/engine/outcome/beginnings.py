@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.contacts.landing_records import LAST_TIMES
+from hybond.engine.sliding.ways_on import MOST_PRODUCT
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.start import start_of
 from hybond.errors import UsageError
@@ -62,15 +63,30 @@ def place_of(
     surfaces: Sequence[int] = (),
     *,
     product: bool = False,
+    modes: NDArray[np.intc] | None = None,
 ) -> NDArray[np.intc]:
-    """Return the whole numbers of a state: the mode, what has landed where, what is slid on."""
+    """Return the whole numbers of a state: the mode, what has landed where, what is slid on.
+
+    `modes` are those that are combined, a row of states of machines each.
+    """
     ints, machines = tables.ints, tables.graph.machines
     at = []
     for m, k in zip(machines, mode, strict=True):
         contact = ints["contact_at"][ints["state_first"][m.index] + k]
         at.append(contact if m.path in landed else -1)
     slid = [int(k in surfaces) for k in range(int(tables.numbers["surfaces"]))]
-    return np.array([*mode, *at, *slid, int(product)], dtype=np.intc)
+    kept = np.full((_combined_at_most(tables), len(machines)), -1, dtype=np.intc)
+    if modes is not None and len(kept) > 0:
+        kept[: len(modes)] = modes[:, : len(machines)]
+    return np.array([*mode, *at, *slid, int(product), *kept.flat], dtype=np.intc)
+
+
+def _combined_at_most(tables: ModelTables) -> int:
+    """Return how many modes a run is handed, as `engine.run.carried.rows_carried` does."""
+    surfaces, laws = int(tables.numbers["surfaces"]), int(tables.numbers["laws"])
+    if laws == 0 or surfaces == 0:
+        return 0
+    return max(surfaces + 1, 1 << min(surfaces, MOST_PRODUCT))
 
 
 def beginning_of(start: State, graph: FlatGraph, tables: ModelTables) -> Beginning:
@@ -108,13 +124,17 @@ def _check(
     """Refuse numbers that no run has written: the engine takes them as places in its memory."""
     many, surfaces = len(graph.machines), int(tables.numbers["surfaces"])
     mode, landed = place[:many].tolist(), place[many : 2 * many].tolist()
-    first = 2 * many + surfaces + 1
+    combined = 2 * many + surfaces + 1
+    first = combined + many * _combined_at_most(tables)
     fits = len(place) >= first and len(number) >= 1 + states_of(graph)
     fits = fits and bool(np.isfinite(number[: 1 + states_of(graph)]).all()) and number[0] >= 0.0
     at = tables.ints["contact_at"]
     for m, k, contact in zip(graph.machines, mode, landed):
         fits = fits and 0 <= k < len(m.states)
         fits = fits and contact in (-1, at[tables.ints["state_first"][m.index] + k])
+    for row in place[combined:first].reshape(-1, max(many, 1)) if fits else ():
+        known = all(0 <= k < len(m.states) for m, k in zip(graph.machines, row.tolist()))
+        fits = fits and (known or all(k == -1 for k in row.tolist()))
     if deep and fits:
         kept = place[first : first + many], place[first + 3 * many : first + 4 * many]
         events = first + 4 * many + int(tables.numbers["reactions"]) + len(graph.storages)

@@ -63,7 +63,9 @@ def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) 
     else:
         y, mode, landed, made = _within(graph, trace, signals, t)
         number = np.array([t, *y, *_root(trace, t)])
-        place = place_of(tables, mode, landed, made.surfaces, product=made.product)
+        place = place_of(
+            tables, mode, landed, made.surfaces, product=made.product, modes=made.modes
+        )
         deep = False
     memory = Memory(
         fingerprint_of(graph),

@@ -138,6 +138,21 @@ def add_about(w: Warned, number: float) -> None:
     w.first.at[w.rows] = w.numbers
 
 
+def take_back_warning(w: Warned, row: int) -> None:
+    """Take back one row."""
+    first = w.first.at[row]
+    many = w.first.at[row + 1] - first
+    for k in range(first, w.numbers - many):
+        w.number.at[k] = w.number.at[k + many]
+    for k in range(row, w.rows - 1):
+        w.kind.at[k] = w.kind.at[k + 1]
+        w.time.at[k] = w.time.at[k + 1]
+        w.first.at[k] = w.first.at[k + 1] - many
+    w.numbers -= many
+    w.rows -= 1
+    w.first.at[w.rows] = w.numbers
+
+
 def forget_warned(w: Warned) -> None:
     """Forget the rows that were read."""
     w.rows = 0

@@ -25,15 +25,19 @@ from hybond.engine.expressions.course_records import many_kept
 from hybond.engine.inputs.interval import is_due
 from hybond.engine.instant.instant import CHANGE, SAMPLE, START, TIME
 from hybond.engine.jumps.trial import a_priori
-from hybond.engine.laws.branches import choose_anew
+from hybond.engine.laws.branches import choose_at
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.implicit.from_edges import may_turn
 from hybond.engine.methods.implicit.stiffness import turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.mode_records import PACES
+from hybond.engine.model import Model
 from hybond.engine.run.courses_kept import give_back_courses
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
+from hybond.engine.sliding.ways_on import MOST_PRODUCT
 from hybond.engine.sliding.what_happened import is_held
+from hybond.engine.surfaces.branch_table import UNKNOWN, add_branches
+from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, Ints, record
 
 
@@ -138,6 +142,36 @@ def carry_state(e: Engine, c: Carrier) -> None:
             s.surface[s.many] = k
             s.many += 1
     s.slid_product = carry_truth(c, s.slid_product)
+    carry_branches(e, c)
+
+
+def carry_branches(e: Engine, c: Carrier) -> None:
+    """Carry the modes that are combined: which branches laws have in them was decided before.
+
+    A one-way clutch that has just let go on the mean would be closed again in the state alone.
+    """
+    m = e.model
+    s = e.slide
+    parts = s.parts if s.many > 0 and s.k > 0 and not c.puts else 0
+    if c.puts:
+        s.branches = 0
+    for part in range(rows_carried(m)):
+        known = True
+        for k in range(m.machines):
+            s.target[k] = e.state[k]
+        for k in range(machines_carried(e)):
+            now = part_mode(e, part).state[k] if part < parts else UNKNOWN
+            s.target[k] = carry_whole(c, now)
+            known = known and s.target[k] != UNKNOWN
+        if c.puts and known:
+            add_branches(m, s, s.target)
+
+
+def rows_carried(m: Model) -> int:
+    """Return how many modes can be combined where laws of junctions have branches."""
+    if m.laws == 0 or m.surfaces == 0:
+        return 0
+    return max(m.surfaces + 1, 1 << min(m.surfaces, MOST_PRODUCT))
 
 
 def carry_memory(e: Engine, r: Run, c: Carrier) -> None:
@@ -330,7 +364,9 @@ def take_up(e: Engine, r: Run) -> int:
     if m.slides == 0:
         e.slide.many = 0
     if e.slide.many > 0:
-        choose_anew(e)
+        for k in range(m.integrals):
+            g.s[k] = e.y[m.storages + k]
+        choose_at(e, e.y, g.s)
     for k in range(m.machines):
         e.landed[k] = 1 if g.landed[k] >= 0 else 0
         g.any_landed = g.any_landed or g.landed[k] >= 0

@@ -16,14 +16,15 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.instant.instant import ACCUMULATION, Instant, begin_instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.sliding.by_means import decide_by_means
+from hybond.engine.sliding.by_means import decide_by_means, first_unheld
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.filippov import SLIDES
 from hybond.engine.sliding.from_edge import slides_on_some
 from hybond.engine.sliding.going_on import go_on_sliding
-from hybond.engine.sliding.ways_on import A_WAY, STOPS
+from hybond.engine.sliding.ways_on import A_WAY, CHOSEN, STOPS
+from hybond.engine.sliding.ways_told import begin_ways
 from hybond.engine.surfaces.combine import combine_here
-from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
+from hybond.engine.surfaces.law_means import NONE_PULLS
 
 NONE_SLIDES: Final = 0
 SLID: Final = 1
@@ -49,11 +50,12 @@ def slide_at_limit(e: Engine, i: Instant) -> int:
         s.settled[k] = e.state[k]
     choose_anew(e)
     know_around(e, e.state)
+    begin_ways(e)
     decided = decide_led(e)
-    if decided == A_WAY and slides_on_some(e) and first_to_pull(e) != NONE_PULLS:
+    if decided == A_WAY and slides_on_some(e) and first_unheld(e) != NONE_PULLS:
         decided = decide_by_means(e, met)
     slid = 0
-    for j in range(s.met if decided == A_WAY else 0):
+    for j in range(s.met if decided == A_WAY or decided == CHOSEN else 0):
         if s.best[j] == SLIDES:
             s.chosen[slid] = s.met_surface[j]
             slid += 1
@@ -64,6 +66,7 @@ def slide_at_limit(e: Engine, i: Instant) -> int:
         s.met = 0
         s.k = 0
         s.parts = 1
+        choose_anew(e)
         back = mode_of(e, e.state) == OK and combine_here(e, e.state) == OK
         return NONE_SLIDES if back else -1
     for j in range(slid):
@@ -74,7 +77,7 @@ def slide_at_limit(e: Engine, i: Instant) -> int:
     begin_instant(i, e.t, ACCUMULATION)
     follow(e, s.around, s.target)
     choose_own(e, s.target)
-    return -1 if go_on_sliding(e, i, slid, False) == REFUSED else SLID
+    return -1 if go_on_sliding(e, i, slid, decided) == REFUSED else SLID
 
 
 def find_crossed(e: Engine) -> None:

@@ -11,15 +11,16 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
-from hybond.engine.laws.branches import choose_anew
+from hybond.engine.laws.branches import BACKWARD, FORWARD, choose_anew
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.from_edge import slides_on_some, take_first_met
-from hybond.engine.sliding.ways_on import A_WAY, STOPS
+from hybond.engine.sliding.ways_on import A_WAY, CHOSEN, NONE_HOLDS, STOPS
 from hybond.engine.surfaces.blend import average
 from hybond.engine.surfaces.corners import put_coefficients
-from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
+from hybond.engine.surfaces.law_means import HELD, NONE_PULLS, first_to_pull
 from hybond.engine.surfaces.outputs import put_ahead, show_state, stride
+from hybond.engine.surfaces.surface import part_mode
 
 MOST: Final = 32
 """Changes of what lets go, at the most: no law lets go and takes hold so often."""
@@ -28,10 +29,10 @@ DRIVEN: Final = 1e-12
 
 
 def decide_by_means(e: Engine, met: int) -> int:
-    """Decide how to slide on the surfaces first met with laws that push on the mean, or let go."""
-    m = e.model
-    s = e.slide
-    pulls = first_to_pull(e)
+    """Decide how to slide on the surfaces first met with laws that push on the mean, or let go.
+
+    CHOSEN, or what is decided where they do not slide then, or NONE_HOLDS.
+    """
     decided = A_WAY
     for _ in range(MOST):
         if decided != A_WAY or not slides_on_some(e):
@@ -39,21 +40,62 @@ def decide_by_means(e: Engine, met: int) -> int:
         wrong = first_wrong(e)
         if wrong == NONE_PULLS:
             end_bars(e)
-            s.from_edge = True
-            return A_WAY
-        s.barred[wrong] = 0 if s.barred[wrong] != 0 else -1 if s.push[wrong] < 0.0 else 1
+            return CHOSEN
+        change_bar(e, wrong)
         choose_anew(e)
         decided = decide_led(e) if take_first_met(e, met) == OK else STOPS
     end_bars(e)
     choose_anew(e)
     if decided == STOPS or (decided == A_WAY and not slides_on_some(e)):
         return decided
+    return NONE_HOLDS
+
+
+def refuse_pull(e: Engine, pulls: int) -> int:
+    """Refuse a law that would carry what it cannot, whatever others do."""
     say_fault(e, "HB-N417", "a law would carry on the mean of fast switching what it cannot", "")
-    if m.tells != 0:
+    if e.model.tells != 0:
         add_fact(e.fault, float(pulls))
-        for j in range(s.k):
-            add_fact(e.fault, float(s.side[j]))
+        for j in range(e.slide.k):
+            add_fact(e.fault, float(e.slide.side[j]))
     return STOPS
+
+
+def change_bar(e: Engine, k: int) -> None:
+    """Let the law of port k do something else in all modes combined."""
+    s = e.slide
+    if s.meant[k] == 0 and is_torn(e, k):
+        s.barred[k] = HELD
+    elif s.barred[k] == 1 or s.barred[k] == -1:
+        s.barred[k] = 0
+    else:
+        s.barred[k] = -1 if s.push[k] < 0.0 else 1
+
+
+def is_torn(e: Engine, k: int) -> bool:
+    """Whether friction slips one way in a mode combined, and the other way in another.
+
+    It does so from rest, so that each brings it back from where the other leads: it rests within
+    what the switching moves, and carries what holds it there on the mean.
+    """
+    m = e.model
+    if m.port_two_sided[k] == 0 or m.port_planar[k] != 0:
+        return False
+    forward = False
+    backward = False
+    for part in range(e.slide.parts):
+        state = part_mode(e, part).state[m.port_machine[k]]
+        forward = forward or state == FORWARD
+        backward = backward or state == BACKWARD
+    return forward and backward
+
+
+def first_unheld(e: Engine) -> int:
+    """Return the first port whose law cannot do what the way decided on asks for, or NONE_PULLS."""
+    for k in range(e.model.ports):
+        if is_torn(e, k):
+            return k
+    return first_to_pull(e)
 
 
 def end_bars(e: Engine) -> None:
@@ -66,12 +108,12 @@ def first_wrong(e: Engine) -> int:
     """Return the first port whose law pulls, or lets go where it has to push; or NONE_PULLS."""
     m = e.model
     s = e.slide
-    pulls = first_to_pull(e)
+    pulls = first_unheld(e)
     put_coefficients(s, s.best_weight, s.coefficient)
     s.known = False
     average(e, e.states, s.part_rate, s.rate)
     for k in range(m.ports):
-        if s.barred[k] != 0 and is_driven(e, k):
+        if (s.barred[k] == 1 or s.barred[k] == -1) and is_driven(e, k):
             return k
     return pulls
 

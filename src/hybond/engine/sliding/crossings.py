@@ -14,8 +14,8 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
+from hybond.engine.instant.back_by_dust import vanishes
 from hybond.engine.jumps.jump import enter_mode
-from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.mode.rows.storage import energy_of
@@ -35,22 +35,10 @@ from hybond.engine.surfaces.surface import part_mode, put_read, surface_rate
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats
 
-VANISHED: Final = 1e-9
-"""A jump below this part of what may be stored has vanished."""
 MET: Final = 1e-12
 """A constraint is met if its residual is below this part of its terms."""
 TURNS: Final = 3
 """Times that a state is moved to where all constraints are met."""
-
-
-def vanishes(e: Engine, moved: Floats, y: Floats) -> bool:
-    """Whether a jump of what is stored is next to nothing."""
-    m = e.model
-    reach_of(e, e.mode, y, e.work.reach)
-    for k in range(m.storages):
-        if not math.fabs(moved[k]) <= VANISHED * (math.fabs(y[k]) + e.work.reach[k]):
-            return False
-    return True
 
 
 # -- without a jump

@@ -18,7 +18,7 @@ from hybond.engine.laws.branches import choose, choose_ahead, choose_anew, follo
 from hybond.engine.sliding.around import take_met
 from hybond.engine.sliding.chatter import RETURNS, decide_led, other_after_turns
 from hybond.engine.sliding.filippov import SLIDES
-from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS
+from hybond.engine.sliding.ways_on import A_WAY, CHOSEN, NO_WAY, STOPS
 from hybond.engine.surfaces.blend import average, solve_part
 from hybond.engine.surfaces.branch_table import take_branches
 from hybond.engine.surfaces.corners import count_corners, put_coefficients, put_corner
@@ -48,8 +48,8 @@ def slides_on_some(e: Engine) -> bool:
     return False
 
 
-def decide_from_edge(e: Engine, met: int, decided: int) -> int:
-    """Decide how to slide on the surfaces first met; what was decided before if it does not."""
+def decide_from_edge(e: Engine, met: int) -> int:
+    """Decide how to slide on the surfaces first met: CHOSEN, or what is decided without this."""
     s = e.slide
     n = e.states
     if take_first_met(e, met) != OK:
@@ -60,8 +60,8 @@ def decide_from_edge(e: Engine, met: int, decided: int) -> int:
     known = True
     for part in range(parts):
         show_state(e, e.t, e.y, s.v)
-        solved = solve_part(e, part, s.v, s.edge_rate.at, part * n, False) == OK
-        known = known and solved
+        if solve_part(e, part, s.v, s.edge_rate.at, part * n, False) != OK:
+            known = False
     put_modes(e, s.modes_now)
     for part in range(parts if known else 0):
         for turn in range(LENGTHS):
@@ -69,16 +69,10 @@ def decide_from_edge(e: Engine, met: int, decided: int) -> int:
                 return STOPS
             if is_same_ahead(e, part * n, LENGTH[turn], s.modes_now):
                 continue
-            ahead = decide_led(e)
-            if ahead == STOPS:
-                return STOPS
-            if ahead == A_WAY and leads_there(e, parts * n):
-                s.from_edge = True
-                return A_WAY
+            # a trial that is refused is one that leads nowhere
+            if decide_led(e) == A_WAY and leads_there(e, parts * n):
+                return CHOSEN
     choose_anew(e)
-    if decided != A_WAY:
-        copy_places(e.model.machines, s.settled, 0, s.around, 0)
-        return NO_WAY
     return decide_led(e) if take_first_met(e, met) == OK else STOPS
 
 

@@ -8,6 +8,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.algebra.products import copy_floats, copy_places, largest
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
+from hybond.engine.instant.back_by_dust import vanishes
 from hybond.engine.instant.instant import (
     CONTINUOUS,
     PINNACLE,
@@ -35,12 +36,14 @@ from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.sliding.crossings import vanishes
 from hybond.engine.sliding.filippov import SLIDES
+from hybond.engine.sliding.ways_on import CHOSEN, COLLAPSES
 from hybond.engine.sliding.what_happened import is_held
+from hybond.engine.surfaces.blend import find_speeds
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import cross_as_one
 from hybond.engine.surfaces.onto import onto_surfaces
+from hybond.engine.surfaces.outputs import show_state
 from hybond.engine.surfaces.parted import is_far
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.surfaces.values import evaluate
@@ -52,10 +55,10 @@ NO_IMPULSE: Final = 1e-12
 """Impulses of jumps that were added up are none below this part of the largest."""
 
 
-def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
+def go_on_sliding(e: Engine, i: Instant, slid: int, decided: int) -> int:
     """Go on along the surfaces chosen, and write down what became of machines.
 
-    If `collapsed`, infinitely many jumps have led there.
+    `decided` is what the decision came to: CHOSEN or COLLAPSES have branches of laws of their own.
     """
     m = e.model
     s = e.slide
@@ -66,9 +69,8 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
     s.slid_product = slid > 0 and s.best_product
     copy_places(slid, s.chosen, 0, s.surface, 0)
     copy_places(m.machines, s.mark, 0, e.state, 0)
-    if not s.from_edge:
+    if decided != CHOSEN and decided != COLLAPSES:
         choose_anew(e)
-    s.from_edge = False
     know_around(e, e.state)
     found = s.met if slid > 0 else 0
     s.met = 0
@@ -88,7 +90,7 @@ def go_on_sliding(e: Engine, i: Instant, slid: int, collapsed: bool) -> int:
         return REFUSED
     s.known = False
     if waiting > 0:
-        write_transitions(e, i, collapsed)
+        write_transitions(e, i, decided == COLLAPSES)
     return OK
 
 
@@ -111,6 +113,10 @@ def is_led_within(e: Engine, before: Floats) -> bool:
     """Whether a mode around leads as far within the instant: what has held nothing has no size."""
     s = e.slide
     room = room_of_instant(e, e.t)
+    show_state(e, e.t, before, s.v)
+    s.known = False
+    if find_speeds(e, True) != OK:
+        return False
     for k in range(e.states):
         most = 0.0
         for part in range(s.parts):

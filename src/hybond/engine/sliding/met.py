@@ -7,12 +7,12 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.instant.back_by_dust import is_between, vanishes, went_and_came
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.model import Model
 from hybond.engine.sliding.around import find_field, take_met
-from hybond.engine.sliding.crossings import vanishes
-from hybond.engine.sliding.what_happened import fired_once, is_between, is_held, went_and_came
+from hybond.engine.sliding.what_happened import fired_once, is_held
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.corners import put_side
 from hybond.engine.surfaces.parted import APART, error_of, find_parted
@@ -57,7 +57,7 @@ def find_met(e: Engine, i: Instant, before: Floats, moved: bool) -> int:
         crossed = f >= 0 and is_between(m, surface, i.source.at[f], i.target.at[f])
         held = is_held(e, surface)
         # there and back by a pinnacle: towards the surface, if its jumps have vanished
-        back = turns and went_and_came(i, machine)
+        back = (turns or i.by_dust) and went_and_came(i, machine)
         if known or not (crossed or held or anew or back):
             continue
         if not shown:

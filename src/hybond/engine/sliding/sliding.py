@@ -13,28 +13,38 @@ after each event the fields decide anew.
 
 from __future__ import annotations
 
-from typing import Final
-
 from hybond.engine.algebra.products import copy_places
 from hybond.engine.engine import OK, REFUSED, Engine
+from hybond.engine.instant.back_by_dust import refuse_turns
 from hybond.engine.instant.instant import GUARD, Instant
 from hybond.engine.laws.branches import choose_anew, choose_own, follow, know_around
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.sliding.by_means import decide_by_means
+from hybond.engine.sliding.by_means import decide_by_means, first_unheld, refuse_pull
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.crossings import collapse, take_back
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
-from hybond.engine.sliding.from_edge import decide_from_edge, is_held_by_some, slides_on_some
+from hybond.engine.sliding.from_edge import (
+    decide_from_edge,
+    is_held_by_some,
+    slides_on_some,
+    take_first_met,
+)
 from hybond.engine.sliding.going_on import go_on_sliding
 from hybond.engine.sliding.met import drop, find_met, onto
-from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
+from hybond.engine.sliding.ways_on import (
+    A_WAY,
+    CHOSEN,
+    COLLAPSES,
+    NO_WAY,
+    NONE_HOLDS,
+    STOPS,
+    decide,
+)
+from hybond.engine.sliding.ways_told import begin_ways
 from hybond.engine.sliding.what_happened import fired_once, has_moved, is_held
 from hybond.engine.surfaces.corners import put_side
-from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
+from hybond.engine.surfaces.law_means import NONE_PULLS
 from hybond.engine.words import Floats
-
-COLLAPSES: Final = 3
-"""There is a way on, from where infinitely many jumps of this instant end."""
 
 
 def slide_after(e: Engine, i: Instant, before: Floats) -> int:
@@ -53,25 +63,19 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         s.around[k] = e.state[k]
         s.settled[k] = e.state[k]
     moved = happened and has_moved(i)
-    s.from_edge = False
     choose_anew(e)
     know_around(e, e.state)
     if find_met(e, i, before, moved) != OK:
         return REFUSED
     if s.met == 0 and s.many == 0:
-        return show_again(e)
+        return refuse_turns(e, i) if show_again(e) == OK else REFUSED
     part_from(e)
     met = s.met
     copy_places(met, s.met_surface, 0, s.first_met, 0)
     decided = NO_WAY
     if met > 0:
-        decided = decide_led(e)
-    if met > 0 and not moved and is_held_by_some(e, decided):
-        decided = decide_from_edge(e, met, decided)
-    if decided == A_WAY and slides_on_some(e) and first_to_pull(e) != NONE_PULLS:
-        decided = decide_by_means(e, met)
-    if decided == NO_WAY and met == 1 and moved and s.many == 0:
-        decided = decide_collapsed(e)
+        begin_ways(e)
+        decided = decide_met(e, met, moved)
     if decided == STOPS:
         return REFUSED
     if decided == NO_WAY:
@@ -95,7 +99,25 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
     if held > 0 or slid > 0 or led:
         # what is shown, and what goes on alone, has the branches of its own laws
         choose_own(e, s.target)
-    return go_on_sliding(e, i, slid, decided == COLLAPSES)
+    if go_on_sliding(e, i, slid, decided) != OK:
+        return REFUSED
+    return refuse_turns(e, i)
+
+
+def decide_met(e: Engine, met: int, moved: bool) -> int:
+    """Decide how the state goes on from the surfaces first met."""
+    decided = decide_led(e)
+    if not moved and is_held_by_some(e, decided):
+        decided = decide_from_edge(e, met)
+    if (decided == A_WAY or decided == CHOSEN) and slides_on_some(e):
+        pulls = first_unheld(e)
+        if pulls != NONE_PULLS:
+            decided = decide_by_means(e, met)
+        if decided == NONE_HOLDS:
+            return refuse_pull(e, pulls)
+    if decided == NO_WAY and met == 1 and moved and e.slide.many == 0:
+        return decide_collapsed(e)
+    return decided
 
 
 def part_from(e: Engine) -> None:
@@ -133,13 +155,16 @@ def decide_collapsed(e: Engine) -> int:
     s.met = 1
     s.met_surface[0] = surface
     decided = decide(e)
-    if decided == A_WAY and s.best[0] == SLIDES and first_to_pull(e) != NONE_PULLS:
+    if decided == A_WAY and s.best[0] == SLIDES and first_unheld(e) != NONE_PULLS:
         decided = decide_by_means(e, 1)
-    if decided == A_WAY and s.best[0] == SLIDES:
+    if (decided == A_WAY or decided == CHOSEN) and s.best[0] == SLIDES:
         return COLLAPSES
     take_back(e)
     choose_anew(e)
-    return STOPS if decided == STOPS else NO_WAY
+    if decided == STOPS:
+        return STOPS
+    # what is warned of is the decision that stays
+    return decide_led(e) if take_first_met(e, 1) == OK else STOPS
 
 
 def take_sides(e: Engine, i: Instant, moved: bool) -> int:

@@ -14,6 +14,7 @@ from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.crossings import do_meet
 from hybond.engine.sliding.filippov import ABOVE, BELOW, SLIDES, find_ways
 from hybond.engine.sliding.ways_told import (
+    forget_ways,
     warn_of_no_way,
     warn_of_strokes,
     warn_of_surface,
@@ -32,16 +33,25 @@ MOST_PRODUCT: Final = 6
 NO_WAY: Final = 0
 A_WAY: Final = 1
 STOPS: Final = 2
+COLLAPSES: Final = 3
+"""There is a way on, from where infinitely many jumps of this instant end."""
+CHOSEN: Final = 4
+"""There is a way on, with branches of laws that are not those of the state, but of the way."""
+NONE_HOLDS: Final = 5
+"""There is a way on, but no choice of laws that push only holds on it."""
 
 
 def decide(e: Engine) -> int:
     """Decide how the state goes on from the surfaces met: NO_WAY, A_WAY or STOPS.
 
+    What was warned of other decisions of this instant is forgotten: they are given up for this one.
     The way is in ``best``, for the surfaces that are left in ``met_surface``, and whether it is one
     of a product combination.
     """
     s = e.slide
     met = s.met
+    if e.model.tells != 0:
+        forget_ways(e)
     one_each(e)
     if leave_agreeing(e) != OK:
         return STOPS

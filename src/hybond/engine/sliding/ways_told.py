@@ -14,13 +14,15 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.reasons.warned import (
     NO_WAY_ON,
     NOT_UNIQUE,
+    OWN_JUMP,
     THROWS_BACK,
     TWIN_SURFACES,
     add_about,
     begin_warning,
+    take_back_warning,
 )
 from hybond.engine.sliding.filippov import FEW, SLIDES, is_way, put_sides, speed_of
-from hybond.engine.surfaces.blend import blend
+from hybond.engine.surfaces.blend import blend, find_pushes, find_speeds
 from hybond.engine.surfaces.outputs import show_state
 
 PUSHED: Final = 1e-9
@@ -29,6 +31,23 @@ SAME_WEIGHTS: Final = 1e-9
 """Weights lie in [0, 1], and come from solved equations: ways closer than this are one."""
 CLEAR_OF_IT: Final = 1e-9
 """A way leaves its surface at more than this part of the largest speed: less is rounding."""
+
+
+def begin_ways(e: Engine) -> None:
+    """Note that from here on it is warned of the decision at this instant."""
+    e.slide.told = e.warned.rows if e.model.tells != 0 else 0
+
+
+def forget_ways(e: Engine) -> None:
+    """Forget what was warned of a decision that is given up for another one."""
+    row = e.slide.told
+    while row < e.warned.rows:
+        kind = e.warned.kind.at[row]
+        way = kind == NO_WAY_ON or kind == NOT_UNIQUE or kind == THROWS_BACK
+        if way or kind == TWIN_SURFACES or kind == OWN_JUMP:
+            take_back_warning(e.warned, row)
+        else:
+            row += 1
 
 
 def warn_of_surface(e: Engine, kind: int, surface: int) -> None:
@@ -75,6 +94,8 @@ def warn_of_ways(e: Engine) -> None:
         ways += 1 if is_way(e) else 0
     if ways < 2:
         return
+    if s.common and (find_pushes(e) != OK or find_speeds(e, True) != OK):
+        return
     # those that slide most come first, and of ways that are one the first counts
     for slides in range(s.k, -1, -1):
         for number in range(total):
@@ -108,9 +129,14 @@ def is_known_way(e: Engine, many: int) -> bool:
 
 
 def is_clear(e: Engine) -> bool:
-    """Whether a way leaves its surfaces at a speed that is more than rounding."""
+    """Whether a way leaves its surfaces at a speed that is more than rounding.
+
+    What constraints keep at rest is rounding of what would move without them.
+    """
     s = e.slide
     most = largest(s.parts * s.k, s.part_speed)
+    if s.common:
+        most = max(most, largest(s.parts * s.k, s.plain_speed))
     for j in range(s.k):
         if s.trial_side[j] != SLIDES and not math.fabs(speed_of(e, j)) > CLEAR_OF_IT * most:
             return False
@@ -127,5 +153,5 @@ def warn_of_strokes(e: Engine) -> None:
     low = s.plain_speed[0]
     high = -s.plain_speed[1]
     size = math.fabs(low) + math.fabs(high)
-    if size == 0.0 or (low > PUSHED * size and high > PUSHED * size):
+    if low > PUSHED * size and high > PUSHED * size:
         warn_of_surface(e, THROWS_BACK, s.side[0])

@@ -21,8 +21,31 @@ PULLS: Final = 1e-13
 REACHED: Final = 1e-9
 """Impulses reach what a law carries if they add up to more than this part of their terms there."""
 NONE_PULLS: Final = -1
+HELD: Final = 2
+"""Friction rests in all modes combined, whatever it would have to carry in one of them."""
 NO_BREAKAWAY: Final = -2
 """What stands for an option that a law does not have."""
+
+
+def begin_reached(e: Engine) -> None:
+    """Begin with the laws that are held to the mean, whether impulses reach them or not."""
+    for k in range(e.model.ports):
+        e.slide.reached[k] = e.slide.meant[k]
+
+
+def rests_on_mean(e: Engine, machine: int) -> bool:
+    """Whether a machine is friction that is asked for what it carries on the mean alone."""
+    m = e.model
+    for k in range(m.ports if e.slide.k > 0 else 0):
+        if m.port_machine[k] == machine and e.slide.meant[k] != 0:
+            return True
+    return False
+
+
+def is_meant(e: Engine, k: int) -> bool:
+    """Whether the law of port k is held to what it can carry on the mean."""
+    s = e.slide
+    return s.reached[k] != 0 and (s.common or s.meant[k] != 0)
 
 
 def find_reached(e: Engine) -> None:
@@ -30,7 +53,6 @@ def find_reached(e: Engine) -> None:
     m = e.model
     s = e.slide
     for k in range(m.ports):
-        s.reached[k] = 0
         row = carried_row(e, k)
         for a in range(s.areas if m.port_planar[k] == 0 else 0):
             total = 0.0
@@ -59,9 +81,7 @@ def put_law_margins(e: Engine) -> None:
     m = e.model
     s = e.slide
     for k in range(m.ports):
-        reached = s.common and s.reached[k] != 0
-        s.push_size[k] = 0.0
-        s.margin[2 * s.k + k] = room_of(e, k) if reached else 1.0
+        s.margin[2 * s.k + k] = room_of(e, k) if is_meant(e, k) else 1.0
 
 
 def room_of(e: Engine, k: int) -> float:
@@ -92,8 +112,8 @@ def room_of(e: Engine, k: int) -> float:
         room = most - math.fabs(total)
         size = max(size, most)
     s.push[k] = total
-    s.push_size[k] = max(s.push_size[k], size)
-    return room / s.push_size[k] if s.push_size[k] > 0.0 else 1.0
+    s.push_size[k] = size
+    return room / size if size > 0.0 else 1.0
 
 
 def limit_of(e: Engine, k: int) -> float:
@@ -123,12 +143,11 @@ def first_to_pull(e: Engine) -> int:
     """
     m = e.model
     s = e.slide
-    if not s.common:
+    if m.ports == 0:
         return NONE_PULLS
     put_coefficients(s, s.best_weight, s.coefficient)
     s.known = False
     for k in range(m.ports):
-        s.push_size[k] = 0.0
-        if s.reached[k] != 0 and room_of(e, k) < -PULLS:
+        if is_meant(e, k) and room_of(e, k) < -PULLS:
             return k
     return NONE_PULLS

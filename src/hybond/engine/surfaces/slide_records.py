@@ -53,7 +53,10 @@ class Slide:
     push_size: Floats
     """What each law carries on the mean, and the size of the terms that made it."""
     barred: Ints
-    """Of each port: 0, or the side on which its law lets go in all branches chosen: by_means.py."""
+    """Of each port: 0, the side on which its law lets go in all branches chosen, or HELD."""
+    meant: Ints
+    """Of each port: whether its friction rests in all branches chosen, by what it carries on the
+    mean alone."""
     # the branches of junction laws in the modes around: branches.py
     branches: int
     branch: Places
@@ -62,8 +65,6 @@ class Slide:
     choose_s: Floats
     kept_pre: Floats
     # those a little ahead of laws that are at their ends: from_edge.py
-    from_edge: bool
-    """Whether the branches chosen are those a little ahead."""
     edge_rate: Block
     """Of each part, then of the combination: the rates by which it is looked ahead."""
     modes_now: Places
@@ -219,6 +220,8 @@ class Slide:
     """Of each surface: whether it was said that jumps back and forth over it have no end."""
     ways: Block
     """Weights of the ways on."""
+    told: int
+    """Where warnings begin of the decision at this instant."""
 
 
 def make_slide(m: Model) -> Slide:
@@ -254,6 +257,7 @@ def make_slide(m: Model) -> Slide:
     s.push = floats(m.ports)
     s.push_size = floats(m.ports)
     s.barred = ints(m.ports)
+    s.meant = ints(m.ports)
     s.freedom = make_block(1)
     s.branch = make_places(1)
     s.modes_now = make_places(1)
