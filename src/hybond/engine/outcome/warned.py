@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from hybond.engine.outcome.records import Instants
     from hybond.equations.surfaces import Surface
 
-NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, OWN_JUMP, THROWS_BACK = 1, 2, 3, 4, 5
+NOT_UNIQUE, NO_WAY_ON, TWIN_SURFACES, LOST_BETWEEN, THROWS_BACK = 1, 2, 3, 4, 5
 SECOND_ANSWER, IMPULSIVE, LEFT_OPEN, FAR_APART, UNREST = 6, 7, 8, 9, 10
 WITHOUT_END, SHARES_OPEN, FIRES_ALWAYS, NEXT_DECIDES, UNSOUND, HELD_AT_REST = 11, 12, 13, 14, 15, 16
 MODULUS_JUMPS, IMPULSE_LEFT_OUT, COURSE_UNSEEN, MADE_BY_STEPS, SWINGS = 17, 18, 19, 20, 21
-GUARD_AT_REST, UNRESOLVED, ROOT, ANOTHER, RATES_APART, LOST_BETWEEN = 22, 23, 24, 25, 26, 27
+GUARD_AT_REST, UNRESOLVED, ROOT, ANOTHER, RATES_APART = 22, 23, 24, 25, 26
 """Kinds of warnings: as in `hybond.engine.reasons.warned`."""
 TIMELESS = (
-    *(TWIN_SURFACES, OWN_JUMP, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
+    *(TWIN_SURFACES, IMPULSIVE, LEFT_OPEN, FAR_APART, MODULUS_JUMPS),
     IMPULSE_LEFT_OUT,
 )
 """Those whose text does not say when: once said, they are said."""
@@ -415,11 +415,6 @@ class Warnings:
             return (
                 f"{one} and {other} both switch on {surfaces[1].text}: only {one} slides, "
                 "make them one machine"
-            )
-        if kind == OWN_JUMP:
-            return (
-                f"{first.text} reads what {graph.machines[first.machine].path} itself makes jump, "
-                "as where a comparator is fed back: it switches there, and nothing slides"
             )
         if kind == WITHOUT_END:
             return (

@@ -23,8 +23,9 @@ NO_WAY_ON: Final = 2
 """None does. Numbers: the surfaces."""
 TWIN_SURFACES: Final = 3
 """Two machines switch on one surface. Numbers: that which slides, that which does not."""
-OWN_JUMP: Final = 4
-"""A surface reads what its own machine makes jump. Its number."""
+LOST_BETWEEN: Final = 4
+"""Between the ends of steps laws brought what was not stored. Numbers: the energy that this is, J,
+and what there was; said at the end."""
 THROWS_BACK: Final = 5
 """The jump on crossing a surface throws back by more than was gained. Its number."""
 SECOND_ANSWER: Final = 6
@@ -85,9 +86,6 @@ variable, what that is and what it might be; said once of each kind of why."""
 RATES_APART: Final = 26
 """The rate of a storage is not what it moved by. Numbers: the storage, for how long, the most that
 it was apart, what it moved by then, and when; said once, at the end."""
-LOST_BETWEEN: Final = 27
-"""Between the ends of steps laws brought what was not stored. Numbers: the energy that this is, J,
-and what there was; said at the end."""
 
 
 @record

@@ -8,7 +8,6 @@ from typing import Final
 from hybond.engine.engine import OK, Engine
 from hybond.engine.laws.branches import choose_own, follow
 from hybond.engine.mode.equations import mode_of
-from hybond.engine.reasons.warned import OWN_JUMP
 from hybond.engine.sliding.additive import ACT_TOGETHER, NO_FIELD, how_switches_act
 from hybond.engine.sliding.around import find_field, take_met
 from hybond.engine.sliding.crossings import do_meet
@@ -17,7 +16,6 @@ from hybond.engine.sliding.ways_told import (
     forget_ways,
     warn_of_no_way,
     warn_of_strokes,
-    warn_of_surface,
     warn_of_twins,
     warn_of_ways,
 )
@@ -212,13 +210,5 @@ def leave_agreeing(e: Engine) -> int:
         if s.agrees[i] != 0:
             s.met_surface[kept] = s.met_surface[i]
             kept += 1
-        elif e.model.tells != 0 and (s.own_jump[i] != 0 or not follows(e, s.met_surface[i])):
-            warn_of_surface(e, OWN_JUMP, s.met_surface[i])
     s.met = kept
     return OK
-
-
-def follows(e: Engine, surface: int) -> bool:
-    """Whether the machine of a surface may follow others: what they make jump, it reads."""
-    m = e.model
-    return m.followers > 0 and m.machine_follows[m.surface_machine[surface]] != 0

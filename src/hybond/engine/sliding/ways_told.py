@@ -14,7 +14,6 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.reasons.warned import (
     NO_WAY_ON,
     NOT_UNIQUE,
-    OWN_JUMP,
     THROWS_BACK,
     TWIN_SURFACES,
     add_about,
@@ -44,7 +43,7 @@ def forget_ways(e: Engine) -> None:
     while row < e.warned.rows:
         kind = e.warned.kind.at[row]
         way = kind == NO_WAY_ON or kind == NOT_UNIQUE or kind == THROWS_BACK
-        if way or kind == TWIN_SURFACES or kind == OWN_JUMP:
+        if way or kind == TWIN_SURFACES:
             take_back_warning(e.warned, row)
         else:
             row += 1

@@ -204,10 +204,7 @@ def is_on_side(e: Engine, onwards: bool) -> bool:
 
 
 def find_agreeing(e: Engine) -> int:
-    """Find for each side whether all parts give its function one value, into `agrees`.
-
-    Where they do not, `own_jump` says whether its own machine makes it jump.
-    """
+    """Find for each side whether all parts give its function one value, into `agrees`."""
     m = e.model
     s = e.slide
     for j in range(s.k):
@@ -220,15 +217,9 @@ def find_agreeing(e: Engine) -> int:
         size = 0.0
         largest = 0.0
         beside = 0.0
-        s.own_jump[j] = 0
-        first = 0.0
         for part in range(s.parts):
             copy_floats(2 * m.slots, e.shown, s.ahead)
             g = output_value(e, surface, part, s.ahead)
-            if part == 0:
-                first = g
-            elif part == j + 1 and math.fabs(g - first) > AGREES * math.fabs(first):
-                s.own_jump[j] = 1
             if not math.isfinite(g):
                 return NOT_FINITE
             least = min(least, g)

@@ -196,7 +196,6 @@ class Slide:
     pivot: Ints
     agrees: Ints
     """Of each side: whether all parts give its function one value."""
-    own_jump: Ints
     number: Ints
     """Of storages: what has been visited; of bonds, on the way from a bond to a storage."""
     seen: Ints
@@ -240,7 +239,6 @@ def make_slide(m: Model) -> Slide:
     s.trial_side = ints(surfaces)
     s.agrees = ints(surfaces)
     s.parted = ints(surfaces)
-    s.own_jump = ints(surfaces)
     s.chosen = ints(surfaces)
     s.endless = ints(surfaces)
     s.parts = 1
