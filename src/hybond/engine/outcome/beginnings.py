@@ -64,6 +64,7 @@ def place_of(
     *,
     product: bool = False,
     modes: NDArray[np.intc] | None = None,
+    meant: Sequence[int] = (),
 ) -> NDArray[np.intc]:
     """Return the whole numbers of a state: the mode, what has landed where, what is slid on.
 
@@ -78,7 +79,9 @@ def place_of(
     kept = np.full((_combined_at_most(tables), len(machines)), -1, dtype=np.intc)
     if modes is not None and len(kept) > 0:
         kept[: len(modes)] = modes[:, : len(machines)]
-    return np.array([*mode, *at, *slid, int(product), *kept.flat], dtype=np.intc)
+    friction = np.zeros(int(tables.numbers["ports"]) if len(kept) > 0 else 0, dtype=np.intc)
+    friction[: len(meant)] = meant
+    return np.array([*mode, *at, *slid, int(product), *kept.flat, *friction], dtype=np.intc)
 
 
 def _combined_at_most(tables: ModelTables) -> int:
@@ -125,14 +128,17 @@ def _check(
     many, surfaces = len(graph.machines), int(tables.numbers["surfaces"])
     mode, landed = place[:many].tolist(), place[many : 2 * many].tolist()
     combined = 2 * many + surfaces + 1
-    first = combined + many * _combined_at_most(tables)
+    rows = _combined_at_most(tables)
+    meant = combined + many * rows
+    first = meant + (int(tables.numbers["ports"]) if rows > 0 else 0)
     fits = len(place) >= first and len(number) >= 1 + states_of(graph)
     fits = fits and bool(np.isfinite(number[: 1 + states_of(graph)]).all()) and number[0] >= 0.0
     at = tables.ints["contact_at"]
     for m, k, contact in zip(graph.machines, mode, landed):
         fits = fits and 0 <= k < len(m.states)
         fits = fits and contact in (-1, at[tables.ints["state_first"][m.index] + k])
-    for row in place[combined:first].reshape(-1, max(many, 1)) if fits else ():
+    fits = fits and bool(np.isin(place[meant:first], (0, 1)).all())
+    for row in place[combined:meant].reshape(-1, max(many, 1)) if fits else ():
         known = all(0 <= k < len(m.states) for m, k in zip(graph.machines, row.tolist()))
         fits = fits and (known or all(k == -1 for k in row.tolist()))
     if deep and fits:

@@ -30,6 +30,8 @@ class Combination:
     """The mode shown."""
     modes: NDArray[np.intc] | None = None
     """Shape (parts, machines), or None. The states of machines in each mode that is combined."""
+    meant: tuple[int, ...] = ()
+    """Of each junction law: 1 if it is friction that rests on the mean of these modes alone."""
 
     def of(self, machines: int) -> Combination:
         """Return the same of the first machines alone."""
@@ -62,7 +64,7 @@ ALONE = Combination()
 """Nothing is slid on."""
 
 
-def combinations(rows: Rows, machines: int) -> Iterator[tuple[float, Combination]]:
+def combinations(rows: Rows, machines: int, ports: int) -> Iterator[tuple[float, Combination]]:
     """Yield the combinations that begin in a slice of a run, with when they do."""
     at = 0
     for t in rows.slide_time.tolist():
@@ -77,4 +79,6 @@ def combinations(rows: Rows, machines: int) -> Iterator[tuple[float, Combination
         at += many
         states = rows.slid[at : at + (1 + parts) * machines].reshape(1 + parts, machines)
         at += (1 + parts) * machines
-        yield t, Combination(surfaces, bool(every), tuple(states[0].tolist()), states[1:])
+        meant = tuple(rows.slid[at : at + ports].tolist())
+        at += ports
+        yield t, Combination(surfaces, bool(every), tuple(states[0].tolist()), states[1:], meant)

@@ -209,6 +209,13 @@ class Explaining:
         numbers = found.rows.open[found.open[v] : found.open[v + 1]].tolist()
         return tuple(dict.fromkeys(self._bonds[k] for k in numbers))
 
+    def nodes_open(self, found: Instants, v: int) -> set[int]:
+        """Return the nodes with a bond variable that the equations of a mode visited leave open."""
+        bonds = self.graph.bonds
+        numbers = found.rows.open[found.open[v] : found.open[v + 1]].tolist()
+        at = [bonds[k % len(bonds)] for k in numbers]
+        return {n for b in at for n in (b.tail, b.head)}
+
     def stored_open(self, found: Instants, v: int) -> tuple[str, ...]:
         """Return the stored quantities whose rates the equations of a mode visited leave open."""
         numbers = set(found.rows.open[found.open[v] : found.open[v + 1]].tolist())

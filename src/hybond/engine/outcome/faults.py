@@ -137,7 +137,7 @@ def error_of(
             said = replace(said, where=_struck(graph, fault.mode) or said.where)
         case "HB-N401":
             cycle = _cycle(explain, broken)
-            asked = _asked_for_more(graph, cycle)
+            asked = _asked_for_more(graph, cycle, explain, broken)
             if asked:
                 code = "HB-N301"
                 said = no_solution_of(graph, asked, refusal.t, graph.nodes[asked[0]].path)
@@ -248,13 +248,21 @@ def _cycle(explain: Explaining, broken: tuple[Instants, int] | None) -> Cycle:
     return visited
 
 
-def _asked_for_more(graph: FlatGraph, cycle: Cycle) -> list[int]:
-    """Return the resistors whose pieces alone follow each other: none of them has a solution."""
+def _asked_for_more(
+    graph: FlatGraph, cycle: Cycle, explain: Explaining, broken: tuple[Instants, int] | None
+) -> list[int]:
+    """Return the resistors whose pieces alone follow each other, where an end leaves them open.
+
+    What a source and such an end both give has no solution. Where nothing is left open there is
+    one, and it is the steps that do not tell the end from the law before it.
+    """
     fired = {f.machine for _, all_fired in cycle for f in all_fired}
-    machines = [m for m in graph.machines if m.path in fired]
-    if not all(m.pieces for m in machines):
+    if broken is None or not all(m.pieces for m in graph.machines if m.path in fired):
         return []
-    return [n.index for n in graph.nodes if n.path in fired]
+    found, k = broken
+    visits = range(int(found.visit[k]), int(found.visit[k + 1]))
+    free = {n for v in visits for n in explain.nodes_open(found, v)}
+    return [n.index for n in graph.nodes if n.path in fired and n.index in free]
 
 
 def _cycle_said(fault: Fault, graph: FlatGraph, cycle: Cycle) -> Said:

@@ -165,6 +165,9 @@ def carry_branches(e: Engine, c: Carrier) -> None:
             known = known and s.target[k] != UNKNOWN
         if c.puts and known:
             add_branches(m, s, s.target)
+    for k in range(m.ports if rows_carried(m) > 0 else 0):
+        meant = carry_whole(c, s.meant[k] if parts > 0 else 0)
+        s.meant[k] = meant if c.puts else s.meant[k]
 
 
 def rows_carried(m: Model) -> int:

@@ -221,7 +221,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
         report_event(e, r.report, i)
         if outruns(e, r):
             return refuse_outrun(e, r)
-    see_stood(e, r.locator, settled, cause == GUARD)
+    see_stood(e, r.locator, i.steps > 0, cause == GUARD)
     r.vain = cause == LAW and not settled
     if settled or (cause != GUARD and cause != LAW):
         r.idle = 0

@@ -20,6 +20,7 @@ from hybond.engine.surfaces.blend import average
 from hybond.engine.surfaces.corners import put_coefficients
 from hybond.engine.surfaces.law_means import HELD, NONE_PULLS, first_to_pull
 from hybond.engine.surfaces.outputs import put_ahead, show_state, stride
+from hybond.engine.surfaces.reads import BY_BONDS
 from hybond.engine.surfaces.surface import part_mode
 
 MOST: Final = 32
@@ -40,7 +41,10 @@ def decide_by_means(e: Engine, met: int) -> int:
         wrong = first_wrong(e)
         if wrong == NONE_PULLS:
             end_bars(e)
-            return CHOSEN
+            if not is_read_where_held(e):
+                return CHOSEN
+            choose_anew(e)
+            return NONE_HOLDS
         change_bar(e, wrong)
         choose_anew(e)
         decided = decide_led(e) if take_first_met(e, met) == OK else STOPS
@@ -49,6 +53,21 @@ def decide_by_means(e: Engine, met: int) -> int:
     if decided == STOPS or (decided == A_WAY and not slides_on_some(e)):
         return decided
     return NONE_HOLDS
+
+
+def is_read_where_held(e: Engine) -> bool:
+    """Whether what follows reads bond variables of modes in which friction rests on the mean alone.
+
+    What it would have to carry in each of them it never does.
+    """
+    m = e.model
+    some = False
+    for k in range(m.ports):
+        some = some or e.slide.meant[k] != 0
+    for j in range(m.followers if some else 0):
+        if m.follower_asks[j] == BY_BONDS and e.slide.apart[m.follower[j]] == 0:
+            return True
+    return False
 
 
 def refuse_pull(e: Engine, pulls: int) -> int:

@@ -164,7 +164,10 @@ def decide_collapsed(e: Engine) -> int:
     if decided == STOPS:
         return STOPS
     # what is warned of is the decision that stays
-    return decide_led(e) if take_first_met(e, 1) == OK else STOPS
+    if take_first_met(e, 1) != OK or decide_led(e) == STOPS:
+        return STOPS
+    copy_places(e.model.machines, s.settled, 0, s.around, 0)
+    return NO_WAY
 
 
 def take_sides(e: Engine, i: Instant, moved: bool) -> int:
