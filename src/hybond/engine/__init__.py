@@ -96,7 +96,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     surfaces/
         surface, reads, corners    surfaces, what they read; the modes around, corner by corner
         combine, blend, common_space    their combination, and what it is held to
-        law_means           laws of one side push on the mean, too
+        law_means           laws of one side push on the mean, too; friction that rests on it
         branch_table, slide_records    branches of laws in them; what is written
         outputs, averages   it is asked as a mode is
         values              what expressions read and how the state moves, in either
@@ -178,7 +178,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         far_guards, kinks_afar      those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         kept_rests, sides_seen    what is known of these from step to step, and of their sides
-        limits_crossed      what has come to one, waits there, and is asked again
+        limits_crossed      what has come to one, waits there, and is asked again; a law that stood
+                            just past its own counts as at zero up to there
         rests_asked         what rests where time, or a crossing beside it, asks for it
         naps, blurred       kinks that end no steps for a while; roots that a step does not tell
         moved_off           kinks that a motion begins at, and stays
@@ -189,7 +190,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
     instant/
         settle, settling, enabled    trying modes at an instant until none is left; what a cycle is
                             told by; which rules hold
-        back_by_dust        ... or by jumps that are next to nothing
+        back_by_dust        what crosses a surface and is led back by next to nothing
+        small_jumps         jumps that are, and transitions over a surface and back
         ceasing             what is no cycle, as it ceases within the instant
         beginning           what is a priori where a run begins; states it cannot begin in
         staying, passed_over    what is known of the last trial; modes without a solution

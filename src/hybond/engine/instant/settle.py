@@ -16,7 +16,7 @@ from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.guards.waiting import wake_all
 from hybond.engine.inputs.interval import hold_before, interval_after
 from hybond.engine.inputs.sampling import sample
-from hybond.engine.instant.back_by_dust import is_back_by_dust
+from hybond.engine.instant.back_by_dust import is_back_by_dust, may_slide, note_dust
 from hybond.engine.instant.beginning import begin_behind, stand_before, stand_without_before
 from hybond.engine.instant.ceasing import find_standing, is_over
 from hybond.engine.instant.doubts import warn_of_moduli
@@ -198,10 +198,13 @@ def fire_all(e: Engine, g: Settling, i: Instant, written: int) -> int:
             fired = find_enabled(e, g, e.t)
         if fired > 0 and comes_back(e, g):
             find_standing(e, g)
+            # the search has asked other modes: what fires is asked anew
             fired = find_enabled(e, g, e.t)
-        if fired > 0 and written < 0 and is_back_by_dust(e, g, many):
-            i.by_dust = True
-            return many
+        if fired > 0 and written < 0 and may_slide(m):
+            note_dust(e, g, many)
+            if is_back_by_dust(e, g, many):
+                i.by_dust = True
+                return many
         if fired == 0 and g.stands > 0 and not e.trial.jumps:
             return many  # it may be the mode from which it was found
         if fired < 0 or look_for_cycle(e, g) != OK:

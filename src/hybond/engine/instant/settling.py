@@ -24,10 +24,13 @@ class Settling:
     target: Ints
     entered: Ints
     first_target: Ints
-    """What fired first at the instant; whether jumps since then were next to nothing, and any."""
-    by_dust: bool
+    """What fired first at the instant."""
+    only_dust: bool
+    """Whether all jumps since then were next to nothing."""
     some_dust: bool
+    """Whether there were any."""
     moved: Floats
+    """What the last of them moved."""
     held: Ints
     """Of each rule: whether it was asked of the trial, and holds."""
     # one earlier trial: the search for a cycle compares with it, and takes a later one in turn

@@ -17,13 +17,9 @@ from hybond.engine.laws.entering import enter
 from hybond.engine.surfaces.branch_table import add_branches, find_branches, take_branches
 from hybond.engine.surfaces.corners import count_corners, put_corner
 from hybond.engine.surfaces.followers import let_follow
-from hybond.engine.surfaces.law_means import HELD
+from hybond.engine.surfaces.law_means import BACKWARD, FORWARD, HELD, RESTS
 from hybond.engine.words import Floats, Ints
 
-RESTS: Final = 0
-FORWARD: Final = 1
-BACKWARD: Final = 2
-"""States of friction: at rest, and as it slips."""
 MOST: Final = 64
 """Modes passed through one after another, at the most, whose branches are chosen."""
 

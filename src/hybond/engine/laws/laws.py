@@ -37,8 +37,8 @@ from hybond.engine.mode.digits.fading import remember
 from hybond.engine.mode.digits.part_energies import see_energy, see_linear_energy
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
-from hybond.engine.surfaces.values import evaluate
 from hybond.engine.surfaces.law_means import some_rest_on_mean
+from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats, Ints
 
 LIMIT_ROUNDING: Final = 1e-6

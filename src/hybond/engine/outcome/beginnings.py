@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.contacts.landing_records import LAST_TIMES
-from hybond.engine.sliding.ways_on import MOST_PRODUCT
+from hybond.engine.surfaces.corners import most_combined
 from hybond.engine.tables import ModelTables
 from hybond.engine.tables.start import start_of
 from hybond.errors import UsageError
@@ -85,11 +85,8 @@ def place_of(
 
 
 def _combined_at_most(tables: ModelTables) -> int:
-    """Return how many modes a run is handed, as `engine.run.carried.rows_carried` does."""
-    surfaces, laws = int(tables.numbers["surfaces"]), int(tables.numbers["laws"])
-    if laws == 0 or surfaces == 0:
-        return 0
-    return max(surfaces + 1, 1 << min(surfaces, MOST_PRODUCT))
+    """Return how many modes a state has a row for."""
+    return most_combined(int(tables.numbers["laws"]), int(tables.numbers["surfaces"]))
 
 
 def beginning_of(start: State, graph: FlatGraph, tables: ModelTables) -> Beginning:

@@ -64,7 +64,13 @@ def state_at(graph: FlatGraph, trace: Trace, signals: Signals, t: float | None) 
         y, mode, landed, made = _within(graph, trace, signals, t)
         number = np.array([t, *y, *_root(trace, t)])
         place = place_of(
-            tables, mode, landed, made.surfaces, product=made.product, modes=made.modes, meant=made.meant
+            tables,
+            mode,
+            landed,
+            made.surfaces,
+            product=made.product,
+            modes=made.modes,
+            meant=made.meant,
         )
         deep = False
     memory = Memory(

@@ -31,12 +31,11 @@ from hybond.engine.methods.implicit.from_edges import may_turn
 from hybond.engine.methods.implicit.stiffness import turn
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.mode.mode_records import PACES
-from hybond.engine.model import Model
 from hybond.engine.run.courses_kept import give_back_courses
 from hybond.engine.run.run_records import FRESH, GIVEN, GOES_ON, Run
-from hybond.engine.sliding.ways_on import MOST_PRODUCT
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.branch_table import UNKNOWN, add_branches
+from hybond.engine.surfaces.corners import most_combined
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, Ints, record
 
@@ -155,7 +154,7 @@ def carry_branches(e: Engine, c: Carrier) -> None:
     parts = s.parts if s.many > 0 and s.k > 0 and not c.puts else 0
     if c.puts:
         s.branches = 0
-    for part in range(rows_carried(m)):
+    for part in range(most_combined(m.laws, m.surfaces)):
         known = True
         for k in range(m.machines):
             s.target[k] = e.state[k]
@@ -165,16 +164,9 @@ def carry_branches(e: Engine, c: Carrier) -> None:
             known = known and s.target[k] != UNKNOWN
         if c.puts and known:
             add_branches(m, s, s.target)
-    for k in range(m.ports if rows_carried(m) > 0 else 0):
+    for k in range(m.ports if most_combined(m.laws, m.surfaces) > 0 else 0):
         meant = carry_whole(c, s.meant[k] if parts > 0 else 0)
         s.meant[k] = meant if c.puts else s.meant[k]
-
-
-def rows_carried(m: Model) -> int:
-    """Return how many modes can be combined where laws of junctions have branches."""
-    if m.laws == 0 or m.surfaces == 0:
-        return 0
-    return max(m.surfaces + 1, 1 << min(m.surfaces, MOST_PRODUCT))
 
 
 def carry_memory(e: Engine, r: Run, c: Carrier) -> None:

@@ -2,7 +2,9 @@
 
 The mean of fast switching moves as if all modes were one: by the mean of what drives them, held by
 laws that push or let go. So of the laws that would pull some let go in all modes combined, and it
-is decided again, until none pulls, and none that lets go is driven into what it holds.
+is decided again, until none pulls, and none that lets go is driven into what it holds. Friction
+that slips one way in one mode and the other way in another, and so off its rest on the mean, rests
+in all of them first, and is held to its limit on the mean.
 """
 
 from __future__ import annotations
@@ -11,14 +13,20 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
-from hybond.engine.laws.branches import BACKWARD, FORWARD, choose_anew
+from hybond.engine.laws.branches import choose_anew
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.chatter import decide_led
 from hybond.engine.sliding.from_edge import slides_on_some, take_first_met
 from hybond.engine.sliding.ways_on import A_WAY, CHOSEN, NONE_HOLDS, STOPS
 from hybond.engine.surfaces.blend import average
 from hybond.engine.surfaces.corners import put_coefficients
-from hybond.engine.surfaces.law_means import HELD, NONE_PULLS, first_to_pull
+from hybond.engine.surfaces.law_means import (
+    BACKWARD,
+    FORWARD,
+    HELD,
+    NONE_PULLS,
+    first_to_pull,
+)
 from hybond.engine.surfaces.outputs import put_ahead, show_state, stride
 from hybond.engine.surfaces.reads import BY_BONDS
 from hybond.engine.surfaces.surface import part_mode
@@ -110,11 +118,31 @@ def is_torn(e: Engine, k: int) -> bool:
 
 
 def first_unheld(e: Engine) -> int:
-    """Return the first port whose law cannot do what the way decided on asks for, or NONE_PULLS."""
+    """Return the first port whose law cannot do what the way decided on asks for, or NONE_PULLS.
+
+    Friction that is torn can where the mean of its modes keeps it at rest.
+    """
+    pulls = first_to_pull(e)
+    if pulls != NONE_PULLS:
+        return pulls
+    known = False
     for k in range(e.model.ports):
-        if is_torn(e, k):
+        if not is_torn(e, k):
+            continue
+        if not known:
+            put_mean_rates(e)
+            known = True
+        if slip_ahead(e, k) != 0.0:
             return k
-    return first_to_pull(e)
+    return NONE_PULLS
+
+
+def put_mean_rates(e: Engine) -> None:
+    """Put the rates of the way decided on into ``e.slide.rate``."""
+    s = e.slide
+    put_coefficients(s, s.best_weight, s.coefficient)
+    s.known = False
+    average(e, e.states, s.part_rate, s.rate)
 
 
 def end_bars(e: Engine) -> None:
@@ -128,9 +156,7 @@ def first_wrong(e: Engine) -> int:
     m = e.model
     s = e.slide
     pulls = first_unheld(e)
-    put_coefficients(s, s.best_weight, s.coefficient)
-    s.known = False
-    average(e, e.states, s.part_rate, s.rate)
+    put_mean_rates(e)
     for k in range(m.ports):
         if (s.barred[k] == 1 or s.barred[k] == -1) and is_driven(e, k):
             return k
@@ -139,19 +165,28 @@ def first_wrong(e: Engine) -> int:
 
 def is_driven(e: Engine, k: int) -> bool:
     """Whether the mean motion leads into what the law of port k holds where it lets go."""
+    moved = slip_ahead(e, k)
+    if e.model.port_two_sided[k] != 0:
+        moved *= -float(e.slide.barred[k])
+    return not moved <= 0.0
+
+
+def slip_ahead(e: Engine, k: int) -> float:
+    """Return by how much the mean motion leads the law of port k off what it holds.
+
+    None that is rounding of what moves there; not a number where there are no values ahead.
+    """
     s = e.slide
     show_state(e, e.t, e.y, s.v)
     step = stride(e, s.v, s.rate, 0)
     if put_ahead(e, s.v, s.rate, 0, step) != OK:
-        return True
+        return math.nan
     moved = motion_of(e, k, False)
     size = motion_of(e, k, True)
     if put_ahead(e, s.v, s.rate, 0, 0.0) != OK:
-        return True
+        return math.nan
     moved -= motion_of(e, k, False)
-    if e.model.port_two_sided[k] != 0:
-        moved *= -float(s.barred[k])
-    return not moved <= DRIVEN * size
+    return 0.0 if math.fabs(moved) <= DRIVEN * size else moved
 
 
 def motion_of(e: Engine, k: int, sized: bool) -> float:

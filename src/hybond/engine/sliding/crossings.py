@@ -14,7 +14,7 @@ from typing import Final
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
-from hybond.engine.instant.back_by_dust import vanishes
+from hybond.engine.instant.small_jumps import vanishes
 from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.mode.equations import is_fieldless
 from hybond.engine.mode.mode_records import is_constrained

@@ -8,7 +8,6 @@ from typing import Final
 from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.algebra.products import copy_floats, copy_places, largest
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
-from hybond.engine.instant.back_by_dust import vanishes
 from hybond.engine.instant.instant import (
     CONTINUOUS,
     PINNACLE,
@@ -20,6 +19,7 @@ from hybond.engine.instant.instant import (
     note_hit,
     note_step,
 )
+from hybond.engine.instant.small_jumps import vanishes
 from hybond.engine.instant.told import (
     FOLLOWS,
     PARTS,

@@ -7,8 +7,8 @@ from typing import Final
 
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.instant.back_by_dust import is_between, vanishes, went_and_came
 from hybond.engine.instant.instant import GUARD, Instant
+from hybond.engine.instant.small_jumps import is_between, vanishes, went_and_came
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.model import Model
 from hybond.engine.sliding.around import find_field, take_met

@@ -43,7 +43,7 @@ from hybond.engine.sliding.ways_on import (
 from hybond.engine.sliding.ways_told import begin_ways
 from hybond.engine.sliding.what_happened import fired_once, has_moved, is_held
 from hybond.engine.surfaces.corners import put_side
-from hybond.engine.surfaces.law_means import NONE_PULLS
+from hybond.engine.surfaces.law_means import NONE_PULLS, first_to_pull
 from hybond.engine.words import Floats
 
 
@@ -106,17 +106,27 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
 
 def decide_met(e: Engine, met: int, moved: bool) -> int:
     """Decide how the state goes on from the surfaces first met."""
+    decided = decide_first(e, met, moved)
+    if (decided == A_WAY or decided == CHOSEN) and slides_on_some(e):
+        unheld = first_unheld(e)
+        pulls = first_to_pull(e)
+        if unheld != NONE_PULLS:
+            decided = decide_by_means(e, met)
+        if decided == NONE_HOLDS and pulls != NONE_PULLS:
+            return refuse_pull(e, pulls)
+        if decided == NONE_HOLDS:
+            # friction that is torn carries no more than it can: it leaves its rest, or is met again
+            decided = decide_first(e, met, moved) if take_first_met(e, met) == OK else STOPS
+    if decided == NO_WAY and met == 1 and moved and e.slide.many == 0:
+        return decide_collapsed(e)
+    return decided
+
+
+def decide_first(e: Engine, met: int, moved: bool) -> int:
+    """Decide how the state goes on whatever laws would have to carry on the mean."""
     decided = decide_led(e)
     if not moved and is_held_by_some(e, decided):
         decided = decide_from_edge(e, met)
-    if (decided == A_WAY or decided == CHOSEN) and slides_on_some(e):
-        pulls = first_unheld(e)
-        if pulls != NONE_PULLS:
-            decided = decide_by_means(e, met)
-        if decided == NONE_HOLDS:
-            return refuse_pull(e, pulls)
-    if decided == NO_WAY and met == 1 and moved and e.slide.many == 0:
-        return decide_collapsed(e)
     return decided
 
 

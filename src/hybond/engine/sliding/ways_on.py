@@ -21,13 +21,11 @@ from hybond.engine.sliding.ways_told import (
 )
 from hybond.engine.surfaces.blend import blend, find_speeds
 from hybond.engine.surfaces.common_space import find_common
-from hybond.engine.surfaces.corners import cross_as_one
+from hybond.engine.surfaces.corners import MOST_PRODUCT, cross_as_one
 from hybond.engine.surfaces.outputs import find_agreeing, show_state
 
 MOVES_ALIKE: Final = 1e-12
 """Two states of a machine move what is stored alike if their rates differ by less: rounding."""
-MOST_PRODUCT: Final = 6
-"""Most surfaces of a product combination, which takes 2^k fields."""
 NO_WAY: Final = 0
 A_WAY: Final = 1
 STOPS: Final = 2

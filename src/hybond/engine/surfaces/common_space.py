@@ -19,7 +19,7 @@ from hybond.engine.mode.mode_records import Mode
 from hybond.engine.mode.nonlinear.newton import knowns_of
 from hybond.engine.mode.rows.storage import stiff
 from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
-from hybond.engine.surfaces.law_means import begin_reached, find_reached
+from hybond.engine.surfaces.law_means import find_reached
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats, some
 
@@ -72,7 +72,6 @@ def find_common(e: Engine) -> int:
     s = e.slide
     n = 2 * m.bonds
     s.common = False
-    begin_reached(e)
     same = True
     for k in range(1, s.parts):
         same = same and holds_the_same(e, part_mode(e, 0), part_mode(e, k))

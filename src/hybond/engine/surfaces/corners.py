@@ -6,9 +6,21 @@ above (*additive*), or all corners of the cube of weights (*product*).
 
 from __future__ import annotations
 
+from typing import Final
+
 from hybond.engine.model import Model
 from hybond.engine.surfaces.slide_records import Slide
 from hybond.engine.words import Floats, Ints
+
+MOST_PRODUCT: Final = 6
+"""Most surfaces of a product combination, which takes 2^k fields."""
+
+
+def most_combined(laws: int, surfaces: int) -> int:
+    """Return how many modes can be combined where laws of junctions have branches."""
+    if laws == 0 or surfaces == 0:
+        return 0
+    return max(surfaces + 1, 1 << min(surfaces, MOST_PRODUCT))
 
 
 def count_corners(k: int, product: bool) -> int:

@@ -2,7 +2,8 @@
 
 In a mode that holds more than others its law carries what brings the state back, by vanishing
 impulses. These push as any other impulse of the law does, and so does the mean of all that it
-carries: where that would pull, the law lets go. So friction holds up to its limit on the mean.
+carries: where that would pull, the law lets go. So friction holds up to its limit on the mean. It
+may rest on the mean alone (`meant`): what it would have to carry in one mode is not asked.
 """
 
 from __future__ import annotations
@@ -23,14 +24,12 @@ REACHED: Final = 1e-9
 NONE_PULLS: Final = -1
 HELD: Final = 2
 """Friction rests in all modes combined, whatever it would have to carry in one of them."""
+RESTS: Final = 0
+FORWARD: Final = 1
+BACKWARD: Final = 2
+"""States of friction: at rest, and as it slips."""
 NO_BREAKAWAY: Final = -2
 """What stands for an option that a law does not have."""
-
-
-def begin_reached(e: Engine) -> None:
-    """Begin with the laws that are held to the mean, whether impulses reach them or not."""
-    for k in range(e.model.ports):
-        e.slide.reached[k] = e.slide.meant[k]
 
 
 def rests_on_mean(e: Engine, machine: int) -> bool:
@@ -53,7 +52,7 @@ def some_rest_on_mean(e: Engine) -> bool:
 def is_meant(e: Engine, k: int) -> bool:
     """Whether the law of port k is held to what it can carry on the mean."""
     s = e.slide
-    return s.reached[k] != 0 and (s.common or s.meant[k] != 0)
+    return s.meant[k] != 0 or (s.common and s.reached[k] != 0)
 
 
 def find_reached(e: Engine) -> None:
@@ -61,6 +60,7 @@ def find_reached(e: Engine) -> None:
     m = e.model
     s = e.slide
     for k in range(m.ports):
+        s.reached[k] = 0
         row = carried_row(e, k)
         for a in range(s.areas if m.port_planar[k] == 0 else 0):
             total = 0.0
@@ -125,14 +125,18 @@ def room_of(e: Engine, k: int) -> float:
 
 
 def limit_of(e: Engine, k: int) -> float:
-    """Return up to what friction holds, on the mean of the modes around."""
+    """Return up to what friction holds, on the mean of the modes around.
+
+    Where it slips in one of them, it has to be brought back while it slips: what it would take to
+    break it loose is not reached.
+    """
     m = e.model
     s = e.slide
-    number = m.port_breakaway[k]
-    constant = m.port_breakaway_constant[k]
-    if number == NO_BREAKAWAY:
-        number = m.port_limit[k]
-        constant = m.port_limit_constant[k]
+    number = m.port_limit[k]
+    constant = m.port_limit_constant[k]
+    if m.port_breakaway[k] != NO_BREAKAWAY and s.meant[k] == 0 and not slips_in_some(e, k):
+        number = m.port_breakaway[k]
+        constant = m.port_breakaway_constant[k]
     if number < 0:
         return constant
     total = 0.0
@@ -142,6 +146,15 @@ def limit_of(e: Engine, k: int) -> float:
         copy_part(2 * m.bonds, s.solution, part * 2 * m.bonds, s.v, m.bond_slot)
         total += s.coefficient[part] * value(m, number, s.v)
     return total
+
+
+def slips_in_some(e: Engine, k: int) -> bool:
+    """Whether the friction of port k slips in one of the modes around."""
+    for part in range(e.slide.parts):
+        state = part_mode(e, part).state[e.model.port_machine[k]]
+        if state == FORWARD or state == BACKWARD:
+            return True
+    return False
 
 
 def first_to_pull(e: Engine) -> int:
