@@ -47,3 +47,17 @@ def test_it_is_the_law_that_has_no_solution(kind: str, law: str, solver: str, tu
     assert "the laws of r have no common solution" in str(refusal.value)
     (at,) = re.findall(r"t = (\S+) s", str(refusal.value))
     assert float(at) == pytest.approx(AT, rel=1e-6)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+def test_a_law_that_storage_relieves_is_not_said_to_have_no_solution(rtol: float) -> None:
+    """What steps do not tell apart at a coarse tolerance has a solution, found at a finer one."""
+    m = hb.Model("relieved")
+    m.add(s=hb.Sf("12"), j=hb.Zero(), c=hb.C(1.0), r=hb.R({"e": "tanh(f)"}))
+    m.add(k=hb.One(), i=hb.I(0.7), q=hb.R(0.1))
+    m.bond("s -> j", "j -> r", "j -> c", "j -> k", "k -> i", "k -> q")
+    if rtol > 1e-6:
+        with pytest.raises(hb.HybondError, match="HB-N401"):
+            hb.simulate(m, until=20.0, rtol=rtol)
+    else:
+        assert hb.simulate(m, until=20.0, rtol=rtol).status == "ok"

@@ -43,24 +43,40 @@ def decide_by_means(e: Engine, met: int) -> int:
     CHOSEN, or what is decided where they do not slide then, or NONE_HOLDS.
     """
     decided = A_WAY
+    rests = -1
+    leads = 0.0
     for _ in range(MOST):
-        if decided != A_WAY or not slides_on_some(e):
+        if decided == A_WAY and slides_on_some(e):
+            wrong = first_wrong(e)
+            if wrong == NONE_PULLS:
+                end_bars(e)
+                if not is_read_where_held(e):
+                    return CHOSEN
+                choose_anew(e)
+                return NONE_HOLDS
+            rests = wrong if is_torn(e, wrong) else -1
+            leads = slip_ahead(e, wrong) if rests >= 0 else 0.0
+            change_bar(e, wrong)
+        elif decided != STOPS and rests >= 0:
+            # nothing slides if it rests: it slips the way it is led off
+            e.slide.barred[rests] = 1 if leads > 0.0 else -1
+            rests = -1
+        else:
             break
-        wrong = first_wrong(e)
-        if wrong == NONE_PULLS:
-            end_bars(e)
-            if not is_read_where_held(e):
-                return CHOSEN
-            choose_anew(e)
-            return NONE_HOLDS
-        change_bar(e, wrong)
         choose_anew(e)
         decided = decide_led(e) if take_first_met(e, met) == OK else STOPS
+    leaves = decided == A_WAY and not slides_on_some(e) and not some_held(e)
     end_bars(e)
     choose_anew(e)
-    if decided == STOPS or (decided == A_WAY and not slides_on_some(e)):
-        return decided
-    return NONE_HOLDS
+    return decided if decided == STOPS or leaves else NONE_HOLDS
+
+
+def some_held(e: Engine) -> bool:
+    """Whether friction rests in all modes combined only because that was tried."""
+    for k in range(e.model.ports):
+        if e.slide.barred[k] == HELD:
+            return True
+    return False
 
 
 def is_read_where_held(e: Engine) -> bool:
@@ -91,7 +107,7 @@ def refuse_pull(e: Engine, pulls: int) -> int:
 def change_bar(e: Engine, k: int) -> None:
     """Let the law of port k do something else in all modes combined."""
     s = e.slide
-    if s.meant[k] == 0 and is_torn(e, k):
+    if is_torn(e, k):
         s.barred[k] = HELD
     elif s.barred[k] == 1 or s.barred[k] == -1:
         s.barred[k] = 0
