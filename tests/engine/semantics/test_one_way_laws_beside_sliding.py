@@ -348,10 +348,6 @@ def test_friction_that_a_switch_makes_slip_both_ways_sticks_and_slips_on_the_mea
     assert run[first].at(t) == pytest.approx(2 * np.sin(omega * t), abs=1e-8)
     assert run[second].at(t) == pytest.approx(right, abs=5e-4)
     assert np.max(np.abs(run[force].at(t))) <= limit + 1e-9
-    # at an event it does not leave what it does and come back, as it would in a mode of its own
-    for event in run.events[1:]:
-        fired = [f for visit in event.steps for f in visit.fired if f.machine == "disc"]
-        assert not fired or fired[0].source != fired[-1].target
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -37,7 +37,6 @@ from hybond.engine.mode.digits.fading import remember
 from hybond.engine.mode.digits.part_energies import see_energy, see_linear_energy
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact, tell_ports
-from hybond.engine.surfaces.law_means import some_rest_on_mean
 from hybond.engine.surfaces.values import evaluate
 from hybond.engine.words import Floats, Ints
 
@@ -169,7 +168,7 @@ def from_state(e: Engine, r: Laws, x: Floats, turn: int, stay: bool) -> int:
     r.asked = 0
     r.shifted = turn > 0 or r.swept_first
     still = not r.struck or r.struck_moved != JUMPS
-    if (stay or some_rest_on_mean(e)) and still and turn == 0:
+    if stay and still and turn == 0:
         copy_places(m.machines, r.state, 0, r.candidate, 0)
         found = try_candidate(e, r, x, False)
         if found == STANDS or found == STOPS:

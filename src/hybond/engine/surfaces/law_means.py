@@ -41,14 +41,6 @@ def rests_on_mean(e: Engine, machine: int) -> bool:
     return False
 
 
-def some_rest_on_mean(e: Engine) -> bool:
-    """Whether some friction does so in the modes that are combined now."""
-    for k in range(e.model.ports if e.slide.many > 0 and e.slide.k > 0 else 0):
-        if e.slide.meant[k] != 0:
-            return True
-    return False
-
-
 def is_meant(e: Engine, k: int) -> bool:
     """Whether the law of port k is held to what it can carry on the mean."""
     s = e.slide
