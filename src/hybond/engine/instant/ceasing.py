@@ -167,7 +167,8 @@ def ceases(e: Engine, g: Settling, r: int, beside: bool) -> bool:
         before = value(m, m.atom_value[a], g.moment_values)
         here = value(m, m.atom_value[a], e.v)
         equal = place_of(e, r, a, g.moment_values, e.trial.terms) == 0.0
-        if before * here < 0.0 and not equal:
+        # nothing jumps between pieces of a law: which of them it is in an instant changes nothing
+        if before * here < 0.0 and not equal and m.rule_piece[r] == 0:
             return False
         size = value(m, m.atom_size[a], g.moment_values)
         if beside and equal and not math.fabs(here) <= BESIDE * size:

@@ -64,7 +64,7 @@ ALONE = Combination()
 """Nothing is slid on."""
 
 
-def combinations(rows: Rows, machines: int, ports: int) -> Iterator[tuple[float, Combination]]:
+def combinations(rows: Rows, machines: int) -> Iterator[tuple[float, Combination]]:
     """Yield the combinations that begin in a slice of a run, with when they do."""
     at = 0
     for t in rows.slide_time.tolist():
@@ -79,6 +79,7 @@ def combinations(rows: Rows, machines: int, ports: int) -> Iterator[tuple[float,
         at += many
         states = rows.slid[at : at + (1 + parts) * machines].reshape(1 + parts, machines)
         at += (1 + parts) * machines
-        meant = tuple(rows.slid[at : at + ports].tolist())
-        at += ports
+        ports = int(rows.slid[at])
+        meant = tuple(rows.slid[at + 1 : at + 1 + ports].tolist())
+        at += 1 + ports
         yield t, Combination(surfaces, bool(every), tuple(states[0].tolist()), states[1:], meant)

@@ -88,7 +88,6 @@ class Records:
         explain: Explaining | None = None,
     ) -> None:
         self.graph = tables.graph
-        self._ports = int(tables.numbers["ports"])
         ends = self.graph.ends
         self.many = ends if ends >= 0 else len(self.graph.machines)
         """Machines that are shown: not the one that is there to end the run."""
@@ -115,7 +114,7 @@ class Records:
 
     def add(self, rows: Rows) -> Instants | None:
         """Add the rows of a slice; return its instants, if there are any."""
-        for t, combination in combinations(rows, len(self.graph.machines), self._ports):
+        for t, combination in combinations(rows, len(self.graph.machines)):
             self._note_slide(t, combination.of(self.many))
         found = None
         if len(rows.instant_time):

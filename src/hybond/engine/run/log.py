@@ -205,7 +205,7 @@ def put_slide(e: Engine, row: Places) -> int:
     """Put what is slid on there; return how many numbers that takes."""
     s = e.slide
     machines = e.model.machines
-    grow_places(row, 3 + s.many + (1 + s.parts) * machines + e.model.ports)
+    grow_places(row, 4 + s.many + (1 + s.parts) * machines + e.model.ports)
     row.at[0] = s.many if s.k > 0 else 0
     if row.at[0] == 0:
         return 1
@@ -219,6 +219,8 @@ def put_slide(e: Engine, row: Places) -> int:
         for k in range(machines):
             row.at[at] = e.state[k] if part < 0 else part_mode(e, part).state[k]
             at += 1
+    row.at[at] = e.model.ports
+    at += 1
     for k in range(e.model.ports):
         row.at[at] = s.meant[k]
         at += 1
