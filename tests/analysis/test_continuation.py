@@ -73,6 +73,7 @@ def peak_current() -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_peak_current_control_doubles_its_period_at_a_duty_of_one_half() -> None:
     found = hb.continuation(peak_current(), "Vo", ("4 V", "6.5 V"), points=5)
     (double,) = found.special

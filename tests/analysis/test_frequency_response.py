@@ -45,6 +45,7 @@ def buck() -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_a_buck_converter_as_its_average() -> None:
     """A sawtooth against a duty that is sampled where both cross has no delay: the part of the
     pulses at the frequency of the duty is that of the duty, and the filter is linear. So the

@@ -185,6 +185,7 @@ def test_units_do_not_change_any_rank(power: int) -> None:
 
 @SMALL
 @given(seeds, st.integers(1, 4), st.integers(0, 3), st.integers(0, 3))
+@pytest.mark.slow
 def test_the_stored_form_has_the_same_transfer_function(seed, n, multipliers, followers) -> None:
     """Kept variables of both kinds: some hold a constraint, some follow from algebraic rows."""
     rng = np.random.default_rng(seed)

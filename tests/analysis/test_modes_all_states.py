@@ -163,6 +163,7 @@ def test_a_law_that_asks_for_the_state_is_affine_in_each_mode():
     assert found.exact and found.time == "proved"
 
 
+@pytest.mark.slow
 def test_twenty_switches_cost_no_more_than_the_modes_that_follow_each_other():
     rules = [[f"a -> b when c.e > {k + 1}", f"b -> a when c.e < {k}"] for k in range(20)]
     model = capacitor(*((["a", "b"], "a", own) for own in rules))

@@ -164,6 +164,7 @@ def test_clocks_that_nothing_ties_together_are_told_from_what_runs_away() -> Non
     assert error.value.code == "HB-A540" and "couple the two" in error.value.hint
 
 
+@pytest.mark.slow
 def test_a_family_is_not_followed_and_a_pair_that_nothing_damps_crosses_nothing() -> None:
     m = hb.Model("pendulum", parameters={"k": 1.0})
     m.add(a=hb.C({"e": "k*sin(q)"}, q=1.0), b=hb.I(1.0), j=hb.One())

@@ -465,6 +465,7 @@ def test_hertz_contact():
     assert got.duration == pytest.approx(whole, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_quadratic_damper_under_gravity():
     m, c, drag, speed = 2.0, 1e-3, 5.0, 0.8
     model = ball()

@@ -188,6 +188,7 @@ def braked_by_hand() -> tuple[float, float, int]:
 
 @pytest.mark.sampled(1)
 @BOTH
+@pytest.mark.slow
 def test_brakes_of_slip_hold_a_wheel_from_locking(solver: str) -> None:
     """A valve between two slips; the curve of the tyre falls behind a slip of 0.12."""
     m = hb.Model("abs", domain="translational", parameters={"load": "2943 N"})

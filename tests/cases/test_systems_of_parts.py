@@ -128,6 +128,7 @@ def test_a_relay_lets_go_when_its_coil_has_run_down_through_the_diode() -> None:
         assert run["c.voltage"].at(t) == pytest.approx(after(t)[1], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_motor_on_an_h_bridge_keeps_its_current_below_the_limit() -> None:
     run = run_of("h_bridge")
     r, coil, k, j, drag = 1.0, 10e-3, 0.05, 6e-4, 1e-5

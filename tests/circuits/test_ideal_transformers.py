@@ -64,6 +64,7 @@ def test_sources_that_are_no_transformer_stay(tmp_path: Path, primary: str) -> N
     assert not any(part.kind == "TF" for part in model.elements.values())
 
 
+@pytest.mark.slow
 def test_the_clamp_of_a_forward_converter_takes_the_leakage(tmp_path: Path) -> None:
     """What both diodes let go of at one instant is one current, by the turns."""
     model = read(

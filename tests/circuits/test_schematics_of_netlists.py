@@ -47,6 +47,7 @@ def test_each_card_is_a_part_between_its_nodes(name: str) -> None:
     assert len(set(node.values())) == len(node)
 
 
+@pytest.mark.slow
 def test_values_and_what_switches_stand_beside_the_parts() -> None:
     drawing = draw_schematic(hb.read_circuit(NETLISTS / "flyback.cir").as_parts())
     words = {m.text for g in drawing.scene.groups for m in g.marks if isinstance(m, Text)}
@@ -124,12 +125,14 @@ def on_wires(drawing: Drawing, roles: set[str]) -> tuple[int, list[str]]:
 
 
 @pytest.mark.parametrize("name", ["flyback"])
+@pytest.mark.slow
 def test_names_of_nodes_stand_on_no_wire(name: str) -> None:
     drawing = draw_schematic(hb.read_circuit(NETLISTS / f"{name}.cir").as_parts())
     many, found = on_wires(drawing, {"junctionname"})
     assert many > 2 and not found
 
 
+@pytest.mark.slow
 def test_no_wire_passes_through_the_name_of_a_source() -> None:
     relay = hb.load(NETLISTS.parent / "systems" / "relay_coil.toml")
     many, found = on_wires(draw_schematic(relay), {"name", "parameter"})

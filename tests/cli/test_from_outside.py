@@ -108,6 +108,7 @@ def test_a_description_with_a_value_that_is_none(tmp_path: Path, old: str, new: 
     assert caught.value.code == "HB-F160"
 
 
+@pytest.mark.slow
 def test_many_rules_between_two_states_take_no_quadratic_time() -> None:
     m = hb.Model()
     m.add(c=hb.C(1, q=1), r=hb.R(1), n=hb.Zero())
@@ -151,6 +152,7 @@ def test_signals_of_signals_within_bounds_have_their_values() -> None:
     assert run["a0"].at(1.0) == pytest.approx(run["m.f"].at(1.0) + 90.0)
 
 
+@pytest.mark.slow
 def test_parameters_may_stand_in_any_order() -> None:
     count = 5000
     given = {f"p{k}": f"p{k + 1} + 1" for k in range(count)}

@@ -61,6 +61,7 @@ def test_a_part_that_is_not_there_is_refused() -> None:
         load("boost").draw(open=["coils"])
 
 
+@pytest.mark.slow
 def test_a_model_of_parts_is_simplified_and_the_legend_says_so() -> None:
     model = load("boost")
     assert drawn_nodes(model.draw()) == drawn_nodes(model.draw(simplify=True))

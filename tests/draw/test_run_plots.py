@@ -185,6 +185,7 @@ def overlapping(figure: Any) -> list[tuple[str, str]]:
     return found
 
 
+@pytest.mark.slow
 def test_long_names_and_values_of_all_sizes_do_not_lie_on_each_other(run_of: Any) -> None:
     t = np.linspace(0.0, 1.0, 50)
     units = ["V", "A", "V", "N*m", "Pa", "m", "K", "m^3/s", "W", "V", "A", "N"]

@@ -209,6 +209,7 @@ def test_wires_of_one_net_go_together() -> None:
     assert len(steps) < 350  # apart they would be 600 pixels long across
 
 
+@pytest.mark.slow
 def test_many_wires_are_led_in_time() -> None:
     """Sixty wires over a wide paper: 14 s of CPU once, when each was looked for in all ways."""
     wires = [
@@ -225,6 +226,7 @@ def test_many_wires_are_led_in_time() -> None:
 
 @drawn(["controlled", "three_phase", "boost"])
 @pytest.mark.sampled(1)
+@pytest.mark.slow
 def test_no_wire_ends_in_the_open(name: str) -> None:
     """Where wires of a junction meet they leave in two ways: it is no end of all of them."""
     drawing, wires = wires_of(name)

@@ -55,6 +55,7 @@ def test_a_cell_that_is_closed_is_two_drops_and_three_resistances(tmp_path):
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("beside", ["", "Rz b z 50\nCz z 0 100n\nRp p 0 1meg"])
+@pytest.mark.slow
 def test_an_alternating_chopper_loses_what_its_resistors_take(tmp_path, beside):
     source = "V1 a 0 SIN(0 100 50)\nL1 a b 1m"
     free = "S2 c 0 h 0 SX\nVh h 0 PULSE(1 0 0 0.1u 0.1u 60u 100u)\n"

@@ -262,6 +262,7 @@ def beside_many(many: int, turned: bool) -> str:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.slow
 def test_eighty_that_settle_together_block_once_a_period(turned: bool) -> None:
     run = hb.simulate(hb.loads(beside_many(80, turned)), until=0.04)
     flows = run.sample([0.0105 + 0.0003 * k for k in range(30)], ["d7.f", "n.e"])

@@ -117,6 +117,7 @@ def test_a_valve_that_empties_a_vessel_does_so_too(solver: str) -> None:
 
 @pytest.mark.parametrize(("solver", "inside"), [("rk45", 6.9), ("radau", 3.0)])
 @pytest.mark.sampled(1)
+@pytest.mark.slow
 def test_what_is_lost_between_the_ends_of_steps_is_told(
     solver: str, inside: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

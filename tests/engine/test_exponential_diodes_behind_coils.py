@@ -79,6 +79,7 @@ def half_wave(back: bool, *, farads: float = 0.0) -> hb.Model:
 @pytest.mark.parametrize(
     ("solver", "back"), [("auto", False), ("auto", True), ("radau", True), ("rk45", False)]
 )
+@pytest.mark.slow
 def test_a_half_wave_with_a_coil_was_refused_where_the_diode_blocks(
     solver: str, back: bool
 ) -> None:
@@ -106,6 +107,7 @@ def test_what_blocks_follows_its_law_down_to_the_saturation_current(back: bool) 
     assert way * run["l.f"].at(t - 0.003) == pytest.approx(-SATURATION, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_capacitor_is_charged_through_a_coil() -> None:
     run = hb.simulate(half_wave(False, farads=1e-3), 0.02)
     meant = pulses(lambda t: 10 * math.sin(100 * math.pi * t), 0.0, 0.02, 0.01, farads=1e-3)
@@ -124,6 +126,7 @@ def test_a_cell_in_the_sun_drives_a_coil() -> None:
     assert run["l.f"].at(0.2) == pytest.approx(left / 0.32, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_diode_that_takes_over_from_another_had_no_end_of_modes() -> None:
     """HB-N401, HB-N301: one blocks and leaves to the other what is stored, until it is nothing."""
     m = hb.Model("freewheeling")
@@ -170,6 +173,7 @@ def test_four_laws_that_are_solved_together_had_no_solution_that_was_found() -> 
         assert 101.0 * i + 2.0 * THERMAL * math.log1p(i / SATURATION) == pytest.approx(v, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_bridge_with_a_coil_is_a_rectifier() -> None:
     """The diodes of a pair share alike: both pairs have closed forms given the coil's current."""
 

@@ -203,6 +203,7 @@ def switched(first: str, second: str, rise: float = 1.0) -> hb.Model:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.slow
 def test_gates_of_one_instant_that_are_settled_apart(
     monkeypatch: pytest.MonkeyPatch, seed: int
 ) -> None:

@@ -52,6 +52,7 @@ def test_two_chains_between_the_same_nodes() -> None:
         assert run["valve.e"].at(0.5) == pytest.approx(-0.7, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_sources_that_part_are_said_to_whatever_friction_does_there() -> None:
     """Flows of a gear's two sides that agree at the start alone."""
     parts = {

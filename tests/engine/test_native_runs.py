@@ -159,6 +159,7 @@ def test_a_slice_of_no_steps_is_refused(steps: int) -> None:
 
 @pytest.mark.parametrize("n", [DEPTH, DEPTH + 1])
 @pytest.mark.sampled(1)
+@pytest.mark.slow
 def test_a_guard_as_deep_as_the_stack_runs_and_a_deeper_one_is_refused(n: int) -> None:
     """A current grows as 1 - exp(-t), and a sum of n such is compared with n/2."""
     m = hb.Model("deep", domain="electrical")

@@ -45,6 +45,7 @@ def test_a_tank_that_is_filled_anew_leaves_its_stop(law: str) -> None:
         assert run["T.q"].at(t) == pytest.approx(want.sol(t)[0], abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_row_of_tanks_empties() -> None:
     """What the first held leaves through the last; nothing is left, and nothing is made."""
     m = hb.Model("row")

@@ -133,6 +133,7 @@ def orifice(draw: random.Random) -> tuple[hb.Element, float, float]:
     return hb.R({"f": f"{k!r}*e/(e^2 + {p}^2)^(1/4)"}), k, p
 
 
+@pytest.mark.slow
 def test_orifices_among_tiny_and_huge_resistances() -> None:
     # laws, sums at nodes and around loops have one solution: each law rises
     draw = random.Random(7)

@@ -168,6 +168,7 @@ def test_a_java_class_slides_as_well(name: str, in_java: dict[str, str]) -> None
 @pytest.mark.sampled(1)
 @pytest.mark.c
 @pytest.mark.parametrize("name", list(KINDS))
+@pytest.mark.slow
 def test_a_c_program_slides_as_well(name: str, tmp_path: Path) -> None:
     make, until = KINDS[name]
     text = hb.export(make(), to="c", until=until, rtol=RTOL)

@@ -96,6 +96,7 @@ def test_power_beside_what_a_source_ties(tmp_path: Path) -> None:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", ["resistor", "source", "source against the arrow"])
+@pytest.mark.slow
 def test_powers_of_sizes_are_no_corners_for_steps(kind: str) -> None:
     """A varistor with ``abs(v)^4`` is driven through zero, as one with ``v^4`` is (HB-N410).
 

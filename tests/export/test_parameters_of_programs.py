@@ -91,6 +91,7 @@ WAVES = [
 @pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("solver", ["exact", "auto"])
+@pytest.mark.slow
 def test_amplitudes_of_what_is_propagated_are_parameters(solver: str, tmp_path: Path) -> None:
     """They were fixed: `--set` was refused for what a sine or an exponential is multiplied by."""
     m = hb.Model("waves", domain="electrical", parameters={"A": "10 V", "B": "2 V", "R": "3 ohm"})
@@ -198,6 +199,7 @@ def field() -> hb.Model:
 
 
 @needs_c
+@pytest.mark.slow
 def test_a_parameter_that_cannot_be_followed_is_fixed(tmp_path: Path) -> None:
     model = field()
     program = program_of(model, tmp_path)
@@ -210,6 +212,7 @@ def test_a_parameter_that_cannot_be_followed_is_fixed(tmp_path: Path) -> None:
 
 
 @needs_c
+@pytest.mark.slow
 def test_a_value_that_decides_is_fixed(tmp_path: Path) -> None:
     """A resistance of zero is left out of the equations."""
     program = program_of(hb.load(EXAMPLES / "boost.toml"), tmp_path)
@@ -217,6 +220,7 @@ def test_a_value_that_decides_is_fixed(tmp_path: Path) -> None:
 
 
 @needs_c
+@pytest.mark.slow
 def test_thresholds_that_meet_make_a_surface(tmp_path: Path) -> None:
     """With hysteresis a relay switches; without, it slides: that is another model."""
     m = hb.Model("relay")
@@ -306,6 +310,7 @@ def test_every_parameter_of_every_example(path: Path, tmp_path: Path) -> None:
 
 
 @needs_c
+@pytest.mark.slow
 def test_inputs_follow_their_times(tmp_path: Path) -> None:
     """Tables, those that repeat too, pulses and thresholds of time."""
     m = hb.Model("inputs", domain="electrical")

@@ -81,6 +81,7 @@ def test_parameters_are_declared(fmi: str, tmp_path: Path) -> None:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+@pytest.mark.slow
 def test_starts_and_inputs_follow(fmi: str, tmp_path: Path) -> None:
     """An input that nobody sets begins where the parameter puts it; a run forgets the last one."""
     model, unit = driven(), tmp_path / "unit.fmu"

@@ -46,6 +46,7 @@ def test_the_run_that_exports_are_held_against() -> None:
 
 
 @needs_c
+@pytest.mark.slow
 def test_tables_in_a_c_program(tmp_path: Path) -> None:
     program = compile_quickly(hb.export(repeating(), to="c"), tmp_path, "repeating")
     said = read_events(ask(program, "--events"))
@@ -76,6 +77,7 @@ def test_tables_in_a_modelica_tool() -> None:
 @pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("name", sorted(UNTIL))
+@pytest.mark.slow
 def test_a_netlist_becomes_a_c_program(name: str, tmp_path: Path) -> None:
     """Driven by PULSE sources that repeat: the same events, the same final state."""
     model = hb.read_circuit(NETLISTS / f"{name}.cir").model

@@ -48,6 +48,7 @@ def dropped() -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.slow
 def test_the_contact_of_a_ball_is_found_within_its_interval(tmp_path: Path) -> None:
     m = hb.load("examples/bouncing_ball.toml")
     found = hb.fit(m, dropped(), free=list(TRUE), log=["pad.C"])
@@ -213,6 +214,7 @@ def test_a_throw_that_returns_latest() -> None:
     assert g.by == pytest.approx([4.0 * np.cos(0.6)], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_duty_and_coil_of_a_converter() -> None:
     m = hb.Model("buck", domain="electrical", parameters={"D": 0.3, "L": "20 uH"})
     m.input(gate=hb.Input(pwm={"period": "10 us", "duty": "D"}))

@@ -126,6 +126,7 @@ def test_a_rate_limiter_goes_straight_and_bends_in() -> None:
     assert run["p.out"].at(0.8) == pytest.approx(-0.4, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_delay_is_the_rational_function_that_it_says() -> None:
     run = alone("control.delay", 2, u=1, T=0.5)
     t, y = scipy.signal.step(([-0.5 / 3, 1], [0.25 / 6, 1 / 3, 1]), T=np.linspace(0, 2, 401))

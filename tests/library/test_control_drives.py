@@ -56,6 +56,7 @@ def controlled(part: str) -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 def test_decoupled_currents_follow_by_an_exponential() -> None:
     """A step of what `"control.dq_current"` wants, with the machine's own values."""
     run = hb.simulate(controlled("dq_current"), until="6 ms", rtol=1e-8, atol=1e-10)

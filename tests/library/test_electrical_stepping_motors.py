@@ -42,6 +42,7 @@ def test_two_flat_phases_make_twice_the_torque_of_one(amperes: float) -> None:
         assert run["m.heat"].at(until) == pytest.approx(2 * R * amperes**2)
 
 
+@pytest.mark.slow
 def test_a_driven_brushless_motor_follows_its_three_phase_equations() -> None:
     size, speed, w = 3.0, 60.0, 240.0
     m = turning("brushless_motor", speed, angle0=0.05)

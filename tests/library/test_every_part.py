@@ -49,6 +49,7 @@ def test_ports_are_junctions_that_share_what_nodes_of_their_domain_share(name: s
 
 
 @listed("name", NAMES)
+@pytest.mark.slow
 def test_every_node_has_its_place(name: str) -> None:
     graph = hb.library.part(name).flatten()
     nodes = {n.path for n in graph.nodes if not (n.hidden or n.implied)}

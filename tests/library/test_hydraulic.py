@@ -492,6 +492,7 @@ def test_a_stop_gives_back_what_its_restitution_says():
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("spool", [1, 0, -1])
+@pytest.mark.slow
 def test_a_directional_valve_turns_the_flow_round(spool):
     """``"hydraulic.directional_valve"``: two ways and a load in a row, solved by hand."""
     p, R, k = 1e7, 5e10, 0.7e-5 * math.sqrt(2 / 870)
@@ -517,6 +518,7 @@ def test_a_directional_valve_turns_the_flow_round(spool):
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("command", [0.5, -0.25, 3.0])
+@pytest.mark.slow
 def test_a_servo_valve_opens_in_proportion(command):
     """``"hydraulic.servo_valve"``: the spool is a lag, the flow that of two orifices in a row."""
     p, k = 7e6, 0.7e-5 * math.sqrt(2 / 870)

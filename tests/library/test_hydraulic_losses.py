@@ -39,6 +39,7 @@ def darcy(flow: float, rough: float, zeta: float = 0.0) -> float:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize(("rough", "zeta"), [(0.0, 0.0), (1e-4, 3.0)])
+@pytest.mark.slow
 def test_a_pipe_loses_by_darcy_and_weisbach(rough: float, zeta: float) -> None:
     """``"hydraulic.pipe_loss"``, by a flow that grows through zero to Re = 60000."""
     most = 60000 * math.pi * D * ETA / 4 / RHO

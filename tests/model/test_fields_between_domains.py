@@ -148,6 +148,7 @@ def test_parameters_of_a_field_are_followed_where_any_value_has_one_energy(name:
     assert set(slots.fixed) == fixed
 
 
+@pytest.mark.slow
 def test_a_run_is_differentiated_by_what_a_condenser_is_made_of() -> None:
     """Against two integrations of the equations as they are written on paper."""
 

@@ -26,6 +26,7 @@ def swept(session: Session, **asks: Any) -> list[dict[str, Any]]:
     return [m for m in told if m["tell"] == "member"]
 
 
+@pytest.mark.slow
 def test_the_falling_rod_sticks_beyond_the_boundary_of_the_paper() -> None:
     """It slides where J/(m l^2) < sin(theta)*cos(theta)/mu - sin(theta)^2, and sticks beyond."""
     session = Session(None)
@@ -86,6 +87,7 @@ def test_units_stay_as_they_are_written() -> None:
     assert values_between("1e-3 kN*m", "3 N*m", 3) == ["0.001 kN*m", "0.002 kN*m", "0.003 kN*m"]
 
 
+@pytest.mark.slow
 def test_a_sweep_is_cancelled() -> None:
     session = Session(None)
     asked(session, "open", example="boost")
@@ -231,6 +233,7 @@ def test_names_that_look_like_markup_stay_words() -> None:
     assert tags <= {"math", "mrow", "mi", "mo", "mn", "mtext", "mspace"}
 
 
+@pytest.mark.slow
 def test_very_long_equations_are_text() -> None:
     m = hb.Model("long", domain="electrical")
     m.add(n=hb.Zero())
@@ -242,6 +245,7 @@ def test_very_long_equations_are_text() -> None:
     assert found["formula"] is None or found["formula"][0] == "math"
 
 
+@pytest.mark.slow
 def test_the_schematic_is_that_of_the_level_and_places_are_those_of_the_page() -> None:
     session = Session(None)
     asked(session, "open", example="boost")

@@ -158,6 +158,7 @@ def test_views_have_the_numbers_of_closed_forms() -> None:
     assert refused["error"]["code"] == "HB-W103"  # that sweep is gone
 
 
+@pytest.mark.slow
 def test_the_command_to_copy_makes_the_table_of_the_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -177,6 +178,7 @@ def test_the_command_to_copy_makes_the_table_of_the_page(
     session.close()
 
 
+@pytest.mark.slow
 def test_a_cancel_keeps_the_runs_that_were_done() -> None:
     session = line()
     told: list[dict[str, Any]] = []

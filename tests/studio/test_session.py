@@ -328,6 +328,7 @@ def test_what_cannot_be_done_is_refused(message: dict[str, Any], code: str, tmp_
     assert session.document.text.startswith("hybond = 1")
 
 
+@pytest.mark.slow
 def test_a_part_is_opened_to_look_at_and_not_to_change() -> None:
     session = Session(None)
     asked(session, "open", example="boost")

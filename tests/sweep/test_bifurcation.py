@@ -84,6 +84,7 @@ def test_windows_end_where_the_map_says() -> None:
     assert two.events == pytest.approx(0.5)
 
 
+@pytest.mark.slow
 def test_the_published_doublings_of_the_voltage_mode_buck() -> None:
     # at 24.516 V and 31.121 V, chaos from 32.34 V on (Fossas and Olivar 1996)
     model = hb.load(EXAMPLES / "voltage_mode_buck.toml")
@@ -138,6 +139,7 @@ def test_a_period_doubles_where_the_map_of_the_impacts_says() -> None:
     assert first.ends_in == "period doubling"
 
 
+@pytest.mark.slow
 def test_the_stop_is_grazed_at_the_amplitude_of_the_free_motion() -> None:
     w, zeta = 0.35, 0.05
     graze = 1.0 / math.hypot(1.0 - w * w, 2.0 * zeta * w)
@@ -171,6 +173,7 @@ def test_the_phase_is_carried_on_where_the_period_varies() -> None:
             state = (over @ np.array([*state, 1.0, 0.0]))[:2]
 
 
+@pytest.mark.slow
 def test_the_engine_as_python_and_any_number_of_threads_give_the_same() -> None:
     asked = {"of": ["L.f", "node.e"], "at": "latch.off", "before": True, "settle": 3, "keep": 4}
     values = {"Iref": [1.0, 1.3]}

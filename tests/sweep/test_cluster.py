@@ -85,6 +85,7 @@ def test_who_dies_again_and_again_ends_the_sweep_and_loses_nothing(tmp_path: Pat
     assert swept(tmp_path / "s").how.startswith("20 members were there; 18 members")
 
 
+@pytest.mark.slow
 def test_full_runs_come_back_as_files(tmp_path: Path) -> None:
     """Those of a worker that died are there once, too; each is the discharge of its member."""
     xarray = pytest.importorskip("xarray", reason="xarray is not installed")

@@ -72,6 +72,7 @@ def test_modes_that_take_much_memory_are_fewer(monkeypatch):
     assert e.modes_built == 200
 
 
+@pytest.mark.slow
 def test_modes_are_kept_by_memory_and_not_by_count():
     e = engine(10)
     for number in (*range(1024), *range(1024)):

@@ -60,6 +60,7 @@ def test_a_fast_state_is_put_ahead_or_on_its_equilibrium() -> None:
     st.floats(-1e4, -0.1),
     st.floats(1e-4, 0.5),
 )
+@pytest.mark.slow
 def test_a_placed_quantised_state_is_touched_in_time_and_never_far(
     x: float, u: list[float], a: float, quantum: float
 ) -> None:

@@ -29,6 +29,7 @@ def test_a_power_of_time(power, solver):
 @pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
+@pytest.mark.slow
 def test_a_power_of_time_in_a_program(solver, tmp_path: Path):
     program = compile_quickly(hb.export(pushed(8), to="c", solver=solver), tmp_path, "pushed")
     said = read_events(ask(program, "--events"))

@@ -129,6 +129,7 @@ def block(mu: float, theta: float, half: float = 0.25, high: float = 0.75) -> hb
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("mu", [1.0, 1.5, 2.0, 4.0])
+@pytest.mark.slow
 def test_a_rocking_block_lands_on_its_other_corner_however_rough_the_floor(mu: float) -> None:
     """Once the corners hold: the impact is the projection on turning about the other corner."""
     half, high, theta = 0.25, 0.75, 0.16

@@ -260,6 +260,7 @@ def test_spring_that_comes_to_the_edge_of_what_a_sign_gives(solver):
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", ["mass", "driven", "driven, arrows turned", "behind a gyrator"])
+@pytest.mark.slow
 def test_implicit_steps_to_the_edge_of_what_a_sign_gives(kind):
     # what is left for the storage once a sign has taken its own part; from 25 time constants on
     # the stages of steps ask for more than it gives, and corrections that lead there are not
