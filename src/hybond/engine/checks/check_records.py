@@ -28,6 +28,8 @@ class Checks:
     """The largest bond variable of each class that the run has seen at its checks."""
     lasting: Floats
     """Likewise, but for those at the end of a step in no time: what was there for a moment."""
+    pulls_since: Floats
+    """Of each law: since when it pulls on the mean, infinite if it does not."""
     due: int
     """How many evaluations the run will have made when it is looked at again."""
     looks: int
@@ -140,6 +142,9 @@ def make_checks(m: Model) -> Checks:
     c.magnitude = floats(2 * m.bonds)
     c.largest = floats(m.classes)
     c.lasting = floats(m.classes)
+    c.pulls_since = floats(m.ports)
+    for k in range(m.ports):
+        c.pulls_since[k] = math.inf
     rules = m.rule_first[m.machines]
     c.said = ints(
         m.elements

@@ -47,7 +47,7 @@ def foresee_onset(e: Engine, mode: Mode, t: float, y: Floats, f: Floats) -> bool
     stands behind time at the most, and what leaves an edge has its own measure.
     """
     s = e.step
-    if e.slide.k > 0 or s.on_edge or t < s.onset_end:
+    if s.on_edge or t < s.onset_end:
         return False
     soon = SHORT * e.span
     if e.next_break < math.inf:
