@@ -11,7 +11,7 @@ from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.outcome.ever_faster import said_of_many
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
-from hybond.engine.outcome.refusals import NO_VALUE, Said, no_solution_of, said_of
+from hybond.engine.outcome.refusals import NO_VALUE, Said, said_of
 from hybond.engine.outcome.starts import storage_at_start
 from hybond.errors import (
     CausalityError,
@@ -20,7 +20,7 @@ from hybond.errors import (
     ModelError,
     NumericsError,
 )
-from hybond.model.graph import FlatGraph, Mode
+from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.records import dataclass
 from hybond.runs.trace import Event, Fired
 
@@ -139,8 +139,11 @@ def error_of(
             cycle = _cycle(explain, broken)
             asked = _asked_for_more(graph, cycle, explain, broken)
             if asked:
+                from hybond.engine.outcome.remedies import without_solution
+
                 code = "HB-N301"
-                said = no_solution_of(graph, asked, refusal.t, graph.nodes[asked[0]].path)
+                why, hint = without_solution(graph, asked, refusal.t)
+                said = Said(why, asked[0].path, hint)
             else:
                 kind = DivergenceOfTime
                 said = _cycle_said(fault, graph, cycle)
@@ -250,7 +253,7 @@ def _cycle(explain: Explaining, broken: tuple[Instants, int] | None) -> Cycle:
 
 def _asked_for_more(
     graph: FlatGraph, cycle: Cycle, explain: Explaining, broken: tuple[Instants, int] | None
-) -> list[int]:
+) -> list[Node]:
     """Return the resistors whose pieces alone follow each other, where an end leaves them open.
 
     What a source and such an end both give has no solution. Where nothing is left open there is
@@ -262,7 +265,7 @@ def _asked_for_more(
     found, k = broken
     visits = range(int(found.visit[k]), int(found.visit[k + 1]))
     free = {n for v in visits for n in explain.nodes_open(found, v)}
-    return [n.index for n in graph.nodes if n.path in fired and n.index in free]
+    return [n for n in graph.nodes if n.path in fired and n.index in free]
 
 
 def _cycle_said(fault: Fault, graph: FlatGraph, cycle: Cycle) -> Said:

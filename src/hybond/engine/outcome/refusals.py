@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 
 from hybond.causality.record import Conflict
 from hybond.engine.compiled.refusal import Refusal
@@ -250,6 +250,8 @@ def _no_rate(c: Case) -> Said:
 
 
 def _no_solution(c: Case) -> Said:
+    from hybond.engine.outcome.remedies import without_solution
+
     mode, nodes = c.given_mode()
     # a two-port has two laws, of efforts and of flows
     elements = list(dict.fromkeys(int(k) for k in nodes))
@@ -257,17 +259,8 @@ def _no_solution(c: Case) -> Said:
         why = "what is stored and what sources give have no common solution that was found "
         hint = "look at sources that read what they prescribe, and at laws of storage that jump"
         return Said(f"{why}(t = {c.refusal.t:.9g} s)", c.graph.mode_text(mode), hint)
-    return no_solution_of(c.graph, elements, c.refusal.t, c.graph.mode_text(mode))
-
-
-def no_solution_of(graph: FlatGraph, elements: Sequence[int], t: float, where: str) -> Said:
-    """Return that laws of elements have none that was found, and what helps against that."""
-    from hybond.engine.outcome.remedies import against_no_solution
-
-    nodes = [graph.nodes[k] for k in elements]
-    names = ", ".join(n.path for n in nodes)
-    why = f"the laws of {names} have no common solution that was found (t = {t:.9g} s)"
-    return Said(why, where, against_no_solution(graph, nodes))
+    why, hint = without_solution(c.graph, [c.graph.nodes[k] for k in elements], c.refusal.t)
+    return Said(why, c.graph.mode_text(mode), hint)
 
 
 def _guard_without_value(c: Case) -> Said:

@@ -99,6 +99,13 @@ def against_no_branches(graph: FlatGraph, mode: Mode, laws: Iterable[int]) -> st
     return hint or f"{PAINLEVE}, or a source a resistance"
 
 
+def without_solution(graph: FlatGraph, elements: list[Node], t: float) -> tuple[str, str]:
+    """Return that laws of these elements have no common solution at `t`, s, and what to try."""
+    names = ", ".join(n.path for n in elements)
+    why = f"the laws of {names} have no common solution that was found (t = {t:.9g} s)"
+    return why, against_no_solution(graph, elements)
+
+
 def against_no_solution(graph: FlatGraph, elements: list[Node]) -> str:
     """Return what to try where laws of these elements have no common solution.
 
