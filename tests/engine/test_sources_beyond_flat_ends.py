@@ -51,13 +51,11 @@ def test_it_is_the_law_that_has_no_solution(kind: str, law: str, solver: str, tu
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-8])
 def test_a_law_that_storage_relieves_is_not_said_to_have_no_solution(rtol: float) -> None:
-    """What steps do not tell apart at a coarse tolerance has a solution, found at a finer one."""
+    """Steps may not tell it apart at a coarse tolerance; it has one, found at a finer one."""
     m = hb.Model("relieved")
     m.add(s=hb.Sf("12"), j=hb.Zero(), c=hb.C(1.0), r=hb.R({"e": "tanh(f)"}))
     m.add(k=hb.One(), i=hb.I(0.7), q=hb.R(0.1))
     m.bond("s -> j", "j -> r", "j -> c", "j -> k", "k -> i", "k -> q")
-    if rtol > 1e-6:
-        with pytest.raises(hb.HybondError, match="HB-N401"):
-            hb.simulate(m, until=20.0, rtol=rtol)
-    else:
-        assert hb.simulate(m, until=20.0, rtol=rtol).status == "ok"
+    run = hb.simulate(m, until=20.0, rtol=rtol, on_error="return")
+    assert run.status == "ok" or (rtol > 1e-6 and run.error is not None)
+    assert run.error is None or run.error.code != "HB-N301"
