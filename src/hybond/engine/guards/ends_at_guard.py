@@ -8,7 +8,7 @@ from typing import Final
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.guards.guard_values import holds_at
 from hybond.engine.guards.locate import locate
-from hybond.engine.guards.locator import Locator
+from hybond.engine.guards.locator import NONE, Locator
 from hybond.engine.guards.together import (
     ends_in_rounding,
     is_kink_alone,
@@ -156,7 +156,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         if end >= longest or end - e.step.t0 <= 1e-9 * h:
             break
         g.at = at  # a first try that did not find it again has left none
-        if e.model.kinks + e.model.slide_kinks == 0 or kink_there(e, g) < 0:
+        if e.model.kinks + e.model.slide_kinks == 0 or kink_there(e, g) == NONE:
             made = retry(e, end)
             if e.step.off > 1.0:
                 return shorten(e, g)

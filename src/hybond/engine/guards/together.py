@@ -24,7 +24,7 @@ from hybond.engine.guards.guard_values import (
     terms_here,
     test_here,
 )
-from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, NONE, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE, horner
 from hybond.engine.guards.solved_guards import is_known
 from hybond.engine.methods.explicit.dopri import spacing
@@ -178,8 +178,13 @@ def before_kink(e: Engine, g: Locator, at: float) -> float:
 
 
 def kink_there(e: Engine, g: Locator) -> int:
-    """Return the kink that has ended the step at the instant found, -1 if none did."""
+    """Return the guard of the kink that has ended the step at the instant found, or NONE."""
     for k in range(g.guards):
         if g.side[k] != NO_KINK and holds_at(e, g, k, g.at):
-            return g.atom[g.atom_first[k]] - e.model.kink_atom
-    return -1
+            return k
+    return NONE
+
+
+def kink_of(e: Engine, g: Locator, k: int) -> int:
+    """Return which of the model's kinks is watched as guard k."""
+    return g.atom[g.atom_first[k]] - e.model.kink_atom

@@ -28,15 +28,16 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
     g.kept = own
     rules = m.rule_first[m.machines]
     rests = m.surface_rest[2 * m.surfaces]
-    several = s.parts + 1 if s.k > 0 and (m.laws > 0 or m.followers > 0) else 1
+    apart = m.laws > 0 or m.followers > 0 or m.kinks > 0
+    several = s.parts + 1 if s.k > 0 and apart else 1
     atoms = several * m.atom_first[rules] + m.rest_atom[rests] - m.atom_first[rules]
     turns = m.turn_first[rules + m.kinks + m.slide_kinks] - m.turn_first[rules]
-    atoms += several * m.turn_first[rules] + (1 + m.surfaces) * turns
+    atoms += several * m.turn_first[rules] + (several + m.surfaces) * turns
     if not same or m.watches > 0 or s.k > 0:
         forget_denied(g)
     g.watched = e.mode_at
     g.watched_made = e.mode.made
-    kinks = m.kinks + m.surface_jump_first[m.surfaces]
+    kinks = several * m.kinks + m.surface_jump_first[m.surfaces]
     margins = 2 * s.k + m.ports
     fit_locator(g, several * rules + rests + margins + kinks, atoms + margins + kinks)
     g.guards = 0
@@ -79,13 +80,45 @@ def watch_kinks(e: Engine, g: Locator) -> None:
     for k in range(m.kinks):
         switch = m.kink_switch[k]
         if switch < 0 or e.mode.on[switch] != 0:  # else nothing feels it
-            watch_kink(e, g, k)
+            watch_kink(e, g, k, ALL_PARTS)
 
 
-def watch_kink(e: Engine, g: Locator, k: int) -> None:
-    """Take one of them."""
+def watch_kinks_apart(e: Engine, g: Locator) -> None:
+    """Take the kinks of laws, sources and rates in each of the modes combined.
+
+    What they have in common is asked of the motion, once.
+    """
     m = e.model
-    begin_guard(g, NONE, ALL_PARTS)
+    for k in range(m.kinks):
+        apart = is_apart(e, m.kink_pair[k])
+        switch = m.kink_switch[k]
+        felt = False
+        for part in range(e.slide.parts):
+            feels = switch < 0 or part_mode(e, part).on[switch] != 0
+            felt = felt or feels
+            if apart and feels:
+                watch_kink(e, g, k, part)
+        if felt and not apart:
+            watch_kink(e, g, k, ALL_PARTS)
+
+
+def is_apart(e: Engine, pair: int) -> bool:
+    """Whether what is compared may differ from mode to mode: it reads bond variables, or modes."""
+    m = e.model
+    booleans = m.on_slot + m.switches + m.state_first[m.machines]
+    for p in range(m.read_first[pair], m.read_first[pair + 1]):
+        slot = m.read_slot[p]
+        if slot >= m.bond_slot and slot < m.bond_slot + 2 * m.bonds:
+            return True
+        if slot >= m.on_slot and slot < booleans:
+            return True
+    return False
+
+
+def watch_kink(e: Engine, g: Locator, k: int, part: int) -> None:
+    """Take one of them, in one of the modes combined or in the motion as it is."""
+    m = e.model
+    begin_guard(g, NONE, part)
     g.side[g.guards] = 0
     g.pair[g.guards] = m.kink_pair[k]
     end_guard(g, m.kink_atom + k, m.kink_atom + k + 1)
@@ -95,13 +128,14 @@ def watch_kink(e: Engine, g: Locator, k: int) -> None:
 def watch_slide(e: Engine, g: Locator) -> None:
     """Take what ends sliding: what allows it, weights, and branches in the modes combined.
 
-    And at what a surface jumps.
+    And at what a surface jumps, and laws bend.
     """
     m = e.model
     s = e.slide
+    watch_kinks_apart(e, g)
     for j in range(s.k):
         for p in range(m.surface_jump_first[s.side[j]], m.surface_jump_first[s.side[j] + 1]):
-            watch_kink(e, g, m.surface_jump[p])
+            watch_kink(e, g, m.surface_jump[p], ALL_PARTS)
         for p in range(m.surface_rest[2 * s.side[j]], m.surface_rest[2 * s.side[j] + 2]):
             if m.rest_moves[p] != 0:
                 begin_guard(g, m.surface_up[s.side[j]], ALL_PARTS)

@@ -8,6 +8,7 @@ from typing import Final
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.engine import OK, Engine
 from hybond.engine.guards.guard_values import look_at_state
+from hybond.engine.guards.locator import NONE
 from hybond.engine.guards.together import LAST_PLACES, kink_there
 from hybond.engine.instant.instant import GUARD, LAW
 from hybond.engine.laws.gaps_left import (
@@ -28,7 +29,7 @@ from hybond.engine.run.guard_at_kink import (
     last_before_kink,
     some_guard_holds,
 )
-from hybond.engine.run.held_by_kinks import compared
+from hybond.engine.run.held_by_kinks import compared_by
 from hybond.engine.run.kinks_passed import (
     count_kink,
     end_at_kink,
@@ -177,7 +178,7 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
     if not some_guard_holds(e, g):
         forget_bonds(e)
         # where a guard has held in vain before, it is the jump that holds the motion
-        asked = ahead >= 0 and r.jumps and r.idle == 0
+        asked = ahead != NONE and r.jumps and r.idle == 0
         left = way_to_kink(e, r, ahead) if asked else math.inf
         r.leads_back = r.leads_back and left == math.inf
         return go_up_to(e, r, kink, left)
@@ -187,21 +188,20 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
     return GUARD
 
 
-def way_to_kink(e: Engine, r: Run, kink: int) -> float:
-    """Return the time left to a kink to which a step has come far nearer, infinite if it has not.
+def way_to_kink(e: Engine, r: Run, k: int) -> float:
+    """Return the time left to the kink of guard k, if a step has come far nearer to it.
 
-    It has ended on the side on which it began. Then no way has led back from behind yet, however
-    short the steps have become: the next one may see that a guard holds there, as that of friction
-    which comes to rest beside a law that jumps at rest as well.
+    Infinite if not. It has ended on the side on which it began. Then no way has led back from
+    behind yet, however short the steps have become: the next one may see that a guard holds there,
+    as that of friction which comes to rest beside a law that jumps at rest as well.
     """
     g = r.locator
-    atom = e.model.atom_value[e.model.kink_atom + kink]
     refusal = e.refusal
     hold_guess(e, e.mode)
     copy_floats(e.states, e.step.y0, g.y)
-    before = compared(e, g, atom, e.step.t0)
+    before = compared_by(e, g, k, e.step.t0)
     copy_floats(e.states, e.step.y1, g.y)
-    after = compared(e, g, atom, e.step.t1)
+    after = compared_by(e, g, k, e.step.t1)
     give_back_guess(e, e.mode)
     e.refusal = refusal
     if not (before * after > 0.0 and math.fabs(after) <= NEARER * math.fabs(before)):

@@ -63,36 +63,36 @@ def is_met(e: Engine, g: Locator, k: int) -> bool:
 def holds_motion(e: Engine, r: Run, k: int) -> bool:
     """Whether the kink of guard k does; the rates at the present state are in `r.rate`."""
     g = r.locator
-    atom = e.model.atom_value[g.atom[g.atom_first[k]]]
-    if not math.isfinite(along(e, r, atom, 0.0)):
+    if not math.isfinite(along(e, r, k, 0.0)):
         return False
     far = room_of_instant(e, e.t)
-    passed = way_through(e, r, atom, far)
+    passed = way_through(e, r, k, far)
     most = max(NEAR * e.until, STEPS * (e.step.t1 - e.step.t0))
     while not passed and far < most:
         far *= 4.0
-        passed = way_through(e, r, atom, far)
+        passed = way_through(e, r, k, far)
     if not passed:
         return False
     at = r.crossing
     least = WIDE * room_of_instant(e, e.t)
     wide = max(far, least)
     # a line that another law follows as far as that is none from nearer by
-    if not jumps_within(e, r, atom, at, wide):
+    if not jumps_within(e, r, k, at, wide):
         return False
-    if wide > least and not jumps_within(e, r, atom, at, least):
+    if wide > least and not jumps_within(e, r, k, at, least):
         return False
     r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
+    r.kink_part = g.part[k]
     return True
 
 
-def jumps_within(e: Engine, r: Run, atom: int, at: float, wide: float) -> bool:
+def jumps_within(e: Engine, r: Run, k: int, at: float, wide: float) -> bool:
     """Whether a rate jumps at the crossing and leads back to it, seen from that way on either side.
 
     The state whose rate jumps most is `r.jumping`, -1 if none does.
     """
     r.jumping = -1
-    if not rates_beside(e, r, at, wide) or not both_lead_to(e, r, atom, at, 0.25 * wide):
+    if not rates_beside(e, r, at, wide) or not both_lead_to(e, r, k, at, 0.25 * wide):
         return False
     most = 0.0
     tolerance(e, e.y, e.y, r.after)
@@ -124,16 +124,16 @@ def dust_of_rate(e: Engine, i: int) -> float:
     return DUST * most
 
 
-def way_through(e: Engine, r: Run, atom: int, far: float) -> bool:
+def way_through(e: Engine, r: Run, k: int, far: float) -> bool:
     """Whether what is compared changes its sign within `far`; where it does is `r.crossing`."""
     low = -far
     high = far
-    before = along(e, r, atom, low)
-    if not before * along(e, r, atom, high) < 0.0:
+    before = along(e, r, k, low)
+    if not before * along(e, r, k, high) < 0.0:
         return False
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if before * along(e, r, atom, middle) > 0.0:
+        if before * along(e, r, k, middle) > 0.0:
             low = middle
         else:
             high = middle
@@ -141,16 +141,29 @@ def way_through(e: Engine, r: Run, atom: int, far: float) -> bool:
     return True
 
 
-def along(e: Engine, r: Run, atom: int, h: float) -> float:
-    """Return what is compared at the state that the present rates lead to in a time."""
+def along(e: Engine, r: Run, k: int, h: float) -> float:
+    """Return what guard k compares at the state that the present rates lead to in a time."""
     for i in range(e.states):
         r.locator.y[i] = e.y[i] + h * r.rate[i]
-    return compared(e, r.locator, atom, e.t + h)
+    return compared_by(e, r.locator, k, e.t + h)
 
 
-def compared(e: Engine, g: Locator, atom: int, t: float) -> float:
-    """Return a difference that is watched, at the state in `g.y`; nan if it has no value."""
-    return value(e.model, atom, e.v) if has_values(e, g, t) else math.nan
+def compared_by(e: Engine, g: Locator, k: int, t: float) -> float:
+    """Return what the first comparison of guard k compares, at the state in `g.y`."""
+    return compared(e, g, e.model.atom_value[g.atom[g.atom_first[k]]], g.part[k], t)
+
+
+def compared(e: Engine, g: Locator, atom: int, part: int, t: float) -> float:
+    """Return a difference that is watched, at the state in `g.y`; nan if it has no value.
+
+    In one of the modes combined, or ALL_PARTS of them.
+    """
+    if not has_values(e, g, t):
+        return math.nan
+    show(e, g, part)
+    there = value(e.model, atom, e.v)
+    show(e, g, ALL_PARTS)
+    return there
 
 
 def has_values(e: Engine, g: Locator, t: float) -> bool:
@@ -175,14 +188,14 @@ def rates_beside(e: Engine, r: Run, at: float, wide: float) -> bool:
     return known
 
 
-def both_lead_to(e: Engine, r: Run, atom: int, at: float, near: float) -> bool:
+def both_lead_to(e: Engine, r: Run, k: int, at: float, near: float) -> bool:
     """Whether rates on either side lead towards the kink, at that way from it."""
     g = r.locator
     both = True
     for side in range(2):
         h = at + (near if side == 0 else -near)
-        here = along(e, r, atom, h)
+        here = along(e, r, k, h)
         for i in range(e.states):
             g.y[i] = e.y[i] + h * r.rate[i] + near * r.beside[(2 + side) * e.states + i]
-        both = both and here * (compared(e, g, atom, e.t + h + near) - here) < 0.0
+        both = both and here * (compared_by(e, g, k, e.t + h + near) - here) < 0.0
     return both

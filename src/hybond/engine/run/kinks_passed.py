@@ -13,16 +13,23 @@ from hybond.engine.answers import node_name, stored_name
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import atom_at, has_crossed, holds_at, show, terms_here
-from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, NONE, Locator
 from hybond.engine.guards.naps import LONGEST_NAP, pass_step
-from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_there
+from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_of, kink_there
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, by_radau, reach, retry
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.model import Model
 from hybond.engine.reasons.facts import add_fact
-from hybond.engine.run.held_by_kinks import JUMPS, SEEN, compared, dust_of_rate, is_held
+from hybond.engine.run.held_by_kinks import (
+    JUMPS,
+    SEEN,
+    compared,
+    compared_by,
+    dust_of_rate,
+    is_held,
+)
 from hybond.engine.run.run_records import IDLE, PATIENCE, Run
 from hybond.engine.surfaces.averages import solve_read_here
 from hybond.engine.surfaces.values import field, set_motion
@@ -60,8 +67,9 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     and is carried over by the rates there: the next one begins behind it.
     """
     g = r.locator
-    kink = kink_there(e, g)
-    r.kink = kink if kink >= 0 else r.kink
+    passed = kink_there(e, g)
+    r.kink = kink_of(e, g, passed) if passed != NONE else r.kink
+    r.kink_part = g.part[passed] if passed != NONE else ALL_PARTS
     before = before_kink(e, g, at)
     behind = at + LAST_PLACES * spacing(at)
     room = room_of_instant(e, at)
@@ -114,9 +122,9 @@ def is_in_vain(e: Engine, r: Run) -> bool:
     atom = e.model.atom_value[e.model.kink_atom + r.kink]
     refusal = e.refusal
     copy_floats(e.states, e.step.y0, g.y)
-    before = compared(e, g, atom, e.step.t0)
+    before = compared(e, g, atom, r.kink_part, e.step.t0)
     copy_floats(e.states, e.step.y1, g.y)
-    after = compared(e, g, atom, e.step.t1)
+    after = compared(e, g, atom, r.kink_part, e.step.t1)
     e.refusal = refusal
     return before * after > 0.0 and math.fabs(after) > NO_NEARER * math.fabs(before)
 
@@ -282,10 +290,11 @@ def see_jump(e: Engine, r: Run, at: float) -> None:
     A step may see a kink that the next one sees again: it is counted where one ends at it.
     """
     reach = ASIDE * min(at - e.step.t0, e.step.t1 - at)
-    kink = kink_there(e, r.locator)
-    r.told = kink >= 0
+    passed = kink_there(e, r.locator)
+    r.told = passed != NONE
     if not r.told:
         return  # a guard
+    kink = kink_of(e, r.locator, passed)
     if e.model.kink_meets[kink] != 0:
         r.jumps = False
         r.leads_back = False
@@ -333,7 +342,7 @@ def is_lost_in_rounding(e: Engine, r: Run, kink: int, at: float, reach: float) -
     rounding = 0.0
     for k in range(g.guards):
         a = g.atom_first[k]
-        if g.side[k] != NO_KINK and g.atom[a] - e.model.kink_atom == kink:
+        if g.side[k] != NO_KINK and kink_of(e, g, k) == kink:
             moved = atom_at(e, g, a, at + reach)
             moved = math.fabs(moved - atom_at(e, g, a, at - reach))
             rounding = ROUNDING * terms_here(e, g, k, a)
@@ -351,29 +360,28 @@ def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:
     `r.beside`.
     """
     g = r.locator
-    kink = kink_there(e, g)
-    if kink < 0:
+    k = kink_there(e, g)
+    if k == NONE:
         return False
-    atom = e.model.atom_value[e.model.kink_atom + kink]
-    before = atom_between(e, g, atom, at - reach)
-    after = atom_between(e, g, atom, at + reach)
+    before = kink_between(e, g, k, at - reach)
+    after = kink_between(e, g, k, at + reach)
     h = 0.25 * reach
-    ahead = atom_between(e, g, atom, at - h)
-    beyond = atom_between(e, g, atom, at + h)
+    ahead = kink_between(e, g, k, at - h)
+    beyond = kink_between(e, g, k, at + h)
     if math.fabs(beyond - ahead) > JUMPS * math.fabs(after - before):
         g.looked = math.nan
         return False
     for i in range(e.states):
         g.y[i] += 2.0 * h * r.beside[2 * e.states + i]
-    there = compared(e, g, atom, at + 3.0 * h)
+    there = compared_by(e, g, k, at + 3.0 * h)
     g.looked = math.nan
     return beyond * (there - beyond) < 0.0
 
 
-def atom_between(e: Engine, g: Locator, atom: int, t: float) -> float:
-    """Return a difference that is watched, at a time of the last step."""
+def kink_between(e: Engine, g: Locator, k: int, t: float) -> float:
+    """Return what the kink of guard k compares, at a time of the last step."""
     between(e, t, g.y)
-    return compared(e, g, atom, t)
+    return compared_by(e, g, k, t)
 
 
 def stuck_at_kink(e: Engine, r: Run) -> int:

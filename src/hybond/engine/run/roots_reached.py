@@ -14,7 +14,7 @@ from typing import Final
 from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
-from hybond.engine.guards.locator import NO_KINK, Locator
+from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.methods.stepping import by_radau
 from hybond.engine.methods.tolerances.scale import widest_tolerance
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
@@ -180,7 +180,7 @@ def is_moved_on(e: Engine, r: Run, atom: int, left: float, h: float, most: float
     """
     for i in range(e.states):
         r.locator.y[i] = r.after[i]
-    return math.fabs(compared(e, r.locator, atom, e.t + h) - left) > most * h
+    return math.fabs(compared(e, r.locator, atom, ALL_PARTS, e.t + h) - left) > most * h
 
 
 def leads_to_rest(e: Engine, r: Run, atom: int, away: float) -> float:
@@ -224,7 +224,7 @@ def speed_of(e: Engine, r: Run, atom: int, y: Floats, here: float) -> float:
         return math.nan  # what is next to nothing moves at once
     for i in range(e.states):
         r.locator.y[i] = y[i] + h * r.rate[i]
-    return (compared(e, r.locator, atom, e.t) - here) / h
+    return (compared(e, r.locator, atom, ALL_PARTS, e.t) - here) / h
 
 
 def time_to_see(e: Engine, r: Run) -> float:
@@ -239,4 +239,4 @@ def time_to_see(e: Engine, r: Run) -> float:
 def at_state(e: Engine, r: Run, atom: int, y: Floats) -> float:
     """Return what is compared at a state."""
     copy_floats(e.states, y, r.locator.y)
-    return compared(e, r.locator, atom, e.t)
+    return compared(e, r.locator, atom, ALL_PARTS, e.t)

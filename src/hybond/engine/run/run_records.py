@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
-from hybond.engine.guards.locator import Locator, another_locator, make_locator
+from hybond.engine.guards.locator import ALL_PARTS, Locator, another_locator, make_locator
 from hybond.engine.inputs.interval import is_due, is_timed
 from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
 from hybond.engine.instant.settling import Settling, make_settling
@@ -75,7 +75,8 @@ class Run:
     """Steps that a kink has ended, and when the last ones were, in a ring."""
     kink_at: Floats
     kink: int
-    """The last of them."""
+    """The last of them, and in which of the modes combined."""
+    kink_part: int
     jumps: bool
     """Whether rates jumped at the last one where that could be told."""
     told: bool
@@ -183,6 +184,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.beside = floats(4 * e.states)
     r.after = floats(e.states)
     r.kink = -1
+    r.kink_part = ALL_PARTS
     r.jumping = -1
     r.nap = 1
     r.hold_waits = 1

@@ -10,8 +10,8 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
-from hybond.engine.mode.solving import solve
 from hybond.engine.model import Model
+from hybond.engine.surfaces.averages import show_part, solve_here
 from hybond.engine.surfaces.values import set_motion
 from hybond.engine.words import Floats
 
@@ -22,6 +22,8 @@ FAR: Final = 2.0
 OFF: Final = 1e-3
 """... and by which part of what is stored farther: a rate that is nothing at both ends tells no
 way."""
+ALL_TOGETHER: Final = -1
+"""The motion as it is, not one of the modes that are combined."""
 LAST: Final = 2.0
 """Units in the last place that time may be short of a kink, and still be there."""
 
@@ -39,18 +41,28 @@ def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool
     step that goes where its rates do not lead has passed none: what seems to be beyond a kink there
     is what an explicit step makes of a motion that is faster than the step.
     """
+    if e.model.kinks == 0 or t1 - t0 > room_of_instant(e, t0):
+        return False
+    for part in range(e.slide.parts if e.slide.k > 0 else 1):
+        if passes_one(e, part, t0, y0, t1, y1):
+            return True
+    return False
+
+
+def passes_one(e: Engine, part: int, t0: float, y0: Floats, t1: float, y1: Floats) -> bool:
+    """Whether a step that is no longer than an instant passes a kink: one of a mode combined."""
     m = e.model
     s = e.step
-    if m.kinks == 0 or e.slide.k > 0 or t1 - t0 > room_of_instant(e, t0):
-        return False
     if not show_motion(e, t0, y0):
         return False
-    for k in range(m.kinks):
-        s.kink[k] = value(m, m.atom_value[m.kink_atom + k], e.v)
     for k in range(m.storages):
         s.kink_rate[k] = shown_rate(e, k)
+    show_in_mode(e, part)
+    for k in range(m.kinks):
+        s.kink[k] = value(m, m.atom_value[m.kink_atom + k], e.v)
     if not show_motion(e, t1, y1) or not is_led(e, t1 - t0, y0, y1):
         return False
+    show_in_mode(e, part)
     passed = False
     for k in range(m.kinks):
         there = value(m, m.atom_value[m.kink_atom + k], e.v)
@@ -112,5 +124,13 @@ def shown_rate(e: Engine, k: int) -> float:
 
 def show_motion(e: Engine, t: float, y: Floats) -> bool:
     """Put all values of the motion into `e.v`; False if a law has none."""
+    if e.slide.k > 0:
+        show_part(e, ALL_TOGETHER, e.v)
     set_motion(e, e.v, t, y)
-    return solve(e, e.mode, e.v) == OK
+    return solve_here(e, e.mode, e.v) == OK
+
+
+def show_in_mode(e: Engine, part: int) -> None:
+    """Put the values there that the motion has in one of the modes combined, if it slides."""
+    if e.slide.k > 0:
+        show_part(e, part, e.v)
