@@ -119,6 +119,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             noise_here      the noise of rates measured anew where a step begins
             pushes          the energy that what pushes at rest would give in a moment
             defects         what a step stores beyond what its rates bring
+            along_surfaces  what mean rates cancel from
             onset, strayed  what has not moved yet, by what it will be; what has gone astray
         explicit/
             dopri, step_room    Dormand and Prince

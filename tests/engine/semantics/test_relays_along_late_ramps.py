@@ -1,7 +1,8 @@
 """What a relay leads along a reference that begins to move, or bends, while it is led.
 
 From rest along ``max(0, time - 0.5)`` what is led had no size, as nothing had moved: no step over
-the bend was short enough (HB-N201). Where friction, or a law of one side, has to let go at a bend
+the bend was short enough (HB-N201); nor was one along its square, where what the mean moves by is
+rounding of what either mode would. Where friction, or a law of one side, has to let go at a bend
 that is no event, it did, and the run was said to be unsound.
 """
 
@@ -22,6 +23,9 @@ LATE: dict[str, Callable[[float], float]] = {
     "max(0, sin(3*time - 1.5))": lambda t: max(0.0, math.sin(3 * t - 1.5)),
     "min(0, 0.5 - time)": lambda t: min(0.0, 0.5 - t),
     "if time < 0.5 then 0 else 2*(time - 0.5)": lambda t: 2 * max(0.0, t - 0.5),
+    "2*max(0, time - 0.5)^2": lambda t: 2 * max(0.0, t - 0.5) ** 2,
+    "max(0, sin(3*time - 1.5))^2": lambda t: max(0.0, math.sin(3 * t - 1.5)) ** 2,
+    "if time < 0.5 then 0 else (time - 0.5)^3": lambda t: max(0.0, t - 0.5) ** 3,
 }
 
 

@@ -22,7 +22,8 @@ from hybond.engine.methods.control import GROW
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, by_radau, start
-from hybond.engine.methods.tolerances.scale import is_unmoved, start_scale
+from hybond.engine.methods.tolerances.along_surfaces import begin_scale
+from hybond.engine.methods.tolerances.scale import is_unmoved
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.run.guard_at_kink import (
     end_short_of_kink,
@@ -233,7 +234,7 @@ def go_behind(e: Engine, r: Run) -> int:
         return LAW
     rest_at_roots(e, r)
     if is_unmoved(e):
-        start_scale(e, e.mode)  # nothing has moved yet, but may do from here
+        begin_scale(e, e.mode)  # nothing has moved yet, but may do from here
     learned = e.step.onset_end
     before = e.step.h
     if start(e, e.t, e.y, bound_of(e), True) != OK:

@@ -44,7 +44,7 @@ from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.implicit.stiffness import watch_cut
 from hybond.engine.methods.off_kinks import lead_off_kinks
 from hybond.engine.methods.stepping import retry, start, step
-from hybond.engine.methods.tolerances.scale import start_scale
+from hybond.engine.methods.tolerances.along_surfaces import begin_scale
 from hybond.engine.mode.comparisons.standing import any_stands, find_standing
 from hybond.engine.mode.comparisons.straight_rates import take_rates
 from hybond.engine.mode.digits.part_energies import join_parts
@@ -466,8 +466,7 @@ def begin_flow(e: Engine, r: Run) -> int:
         return REFUSED
     begin_field(e, e.mode)
     begin_to_follow(e, r.warm)
-    if e.slide.k == 0:
-        start_scale(e, e.mode)
+    begin_scale(e, e.mode)
     take_rates(e, e.mode)
     forget_carried(e)
     see_standing(e)
