@@ -81,6 +81,8 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     if made != OK and by_radau(e) and e.step.off > 1.0:
         e.refusal = refusal
         return OK
+    if made == OK and e.step.off > 1.0 and apart and before - e.step.t0 > room:
+        made = retry(e, before)
     if made == OK and e.step.off > 1.0 and not apart:
         before = out_of_sight(e, before, behind, room)
         made = retry(e, before)
@@ -356,8 +358,9 @@ def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:
     """Whether the rates behind a kink lead back to it, from what the step makes of its end.
 
     What is compared may jump itself, as where ``mod`` begins anew: then the kink is left behind,
-    wherever the way leads. The rates a quarter of `reach` behind it are in the third row of
-    `r.beside`.
+    wherever the way leads. So is one to which the rates before it would lead as well, as the peak
+    of a wave: it is not the jump that leads back. The rates a quarter of `reach` behind it are in
+    the third row of `r.beside`, those before it in the fourth.
     """
     g = r.locator
     k = kink_there(e, g)
@@ -372,10 +375,13 @@ def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:
         g.looked = math.nan
         return False
     for i in range(e.states):
+        r.after[i] = g.y[i] + 2.0 * h * r.beside[3 * e.states + i]
         g.y[i] += 2.0 * h * r.beside[2 * e.states + i]
     there = compared_by(e, g, k, at + 3.0 * h)
+    copy_floats(e.states, r.after, g.y)
+    straight = compared_by(e, g, k, at + 3.0 * h)
     g.looked = math.nan
-    return beyond * (there - beyond) < 0.0
+    return beyond * (there - beyond) < 0.0 and not beyond * (straight - beyond) < 0.0
 
 
 def kink_between(e: Engine, g: Locator, k: int, t: float) -> float:
