@@ -173,8 +173,11 @@ class Locator:
     polynomial: Floats
     candidate: Instants
     mark: Instants
+    timed: Ints
+    """Of each kink: whether time alone decides of it. In what is compared there is no rounding of
+    the motion."""
     asleep: int
-    """Steps for which kinks end none: there were too many of them at one place."""
+    """Steps for which other kinks end none: there were too many of them at one place."""
     sleep: Ints
     """Of each kink: likewise, as it was rounding that changed its sign, all over a step."""
     nap: Ints
@@ -298,6 +301,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.side = ints(g.room)
     g.sleep = ints(g.room)
     g.nap = ints(g.room)
+    g.timed = ints(g.room)
     g.blurred = ints(g.room)
     g.atom_first = ints(g.room + 1)
     g.turn_first = ints(g.room + 1)

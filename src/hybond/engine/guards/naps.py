@@ -1,7 +1,8 @@
 """Kinks that end no steps for a while: ending many of them at what a law hardly tells is costly.
 
 A kink that a motion passes over and over, or that ends step after step, is left out for so many
-steps, twice as many each time. Steps over it are as long as their error allows.
+steps, twice as many each time. Steps over it are as long as their error allows. What time alone
+decides is where it is, whatever the motion does there: it crowds with no other.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ LONGEST_NAP: Final = 4096
 
 def is_asleep(g: Locator, k: int) -> bool:
     """Whether guard k is a kink that ends no step just now."""
-    return g.side[k] != NO_KINK and (g.asleep > 0 or g.sleep[k] > 0 or g.blurred[k] != 0)
+    if g.side[k] == NO_KINK:
+        return False
+    return (g.asleep > 0 and g.timed[k] == 0) or g.sleep[k] > 0 or g.blurred[k] != 0
 
 
 def let_sleep(g: Locator, k: int) -> None:

@@ -45,7 +45,7 @@ def is_held(e: Engine, r: Run) -> bool:
     held = False
     if field(e, e.mode, e.t, e.y, r.rate) == OK:
         for k in range(g.guards):
-            if not held and g.side[k] != NO_KINK and not is_met(e, g, k):
+            if not held and g.side[k] != NO_KINK and g.timed[k] == 0 and not is_met(e, g, k):
                 held = holds_motion(e, r, k)
     g.looked = math.nan
     e.refusal = refusal

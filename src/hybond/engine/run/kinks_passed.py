@@ -272,6 +272,9 @@ def see_crowd(e: Engine, r: Run, at: float) -> None:
     sign is that of rounding, and would end step after step. Nothing jumps there: the error of the
     step sees what such a kink does.
     """
+    passed = kink_there(e, r.locator)
+    if passed != NONE and r.locator.timed[passed] != 0:
+        return
     if r.jumps or r.since > FEW_STEPS:
         r.dense = 0
         r.lull = 1
