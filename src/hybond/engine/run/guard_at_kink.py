@@ -76,8 +76,9 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
     for k in range(g.guards):
         g.done[k] = 1 if holds_at(e, g, k, at) else 0
     made = retry(e, at if apart else before)
-    if made == OK and e.step.off > 1.0 and not apart:
-        before = out_of_sight(e, before, at, room)
+    if made == OK and e.step.off > 1.0 and (not apart or before - e.step.t0 > room):
+        before = out_of_sight(e, before, at)
+        apart = at - before > room
         made = retry(e, before)
     g.looked = math.nan
     if made == OK and not by_radau(e) and noted_hold(e, g):

@@ -81,10 +81,9 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     if made != OK and by_radau(e) and e.step.off > 1.0:
         e.refusal = refusal
         return OK
-    if made == OK and e.step.off > 1.0 and apart and before - e.step.t0 > room:
-        made = retry(e, before)
-    if made == OK and e.step.off > 1.0 and not apart:
-        before = out_of_sight(e, before, behind, room)
+    if made == OK and e.step.off > 1.0 and (not apart or before - e.step.t0 > room):
+        before = out_of_sight(e, before, behind)
+        apart = behind - before > room
         made = retry(e, before)
     if made != OK:
         return stuck_at_kink(e, r)
@@ -93,16 +92,18 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     return OK
 
 
-def out_of_sight(e: Engine, before: float, behind: float, room: float) -> float:
+def out_of_sight(e: Engine, before: float, behind: float) -> float:
     """Return where the step ends that no stage of which has seen the jump, else `before`.
 
-    One at the end of the step may be a last place beyond what is compared at that time.
+    One at the end of the step may be a last place beyond what is compared at that time. What a long
+    step says of where the kink is may be off by more than an instant: then the step ends farther
+    before it, and the next one, which is shorter, meets it.
     """
     refusal = e.refusal
     # where nothing that is compared shows the jump, what is behind may be where the step ends
     way = max(behind - before, LAST_PLACES * spacing(behind))
-    made = OK
-    while made == OK and e.step.off > 1.0 and 2.0 * way <= room and behind - 2.0 * way > e.step.t0:
+    made = retry(e, behind - way) if behind - way > e.step.t0 else OK
+    while made == OK and e.step.off > 1.0 and behind - 2.0 * way > e.step.t0:
         way = 2.0 * way
         made = retry(e, behind - way)
     seen = made != OK or e.step.off > 1.0
