@@ -55,6 +55,8 @@ LONGEST_WAIT: Final = 64
 """Kinks after which it is asked again whether one holds the motion, at the most."""
 CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
+SOONER: Final = 1.0 / 32.0
+"""Part of that way after which it is asked where rates lead, too: what is compared may turn."""
 ASIDE: Final = 0.25
 """Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
 
@@ -84,6 +86,7 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     if made == OK and e.step.off > 1.0 and (not apart or before - e.step.t0 > room):
         before = out_of_sight(e, before, behind)
         apart = behind - before > room
+        r.told = r.told and not apart  # it is not there yet
         made = retry(e, before)
     if made != OK:
         return stuck_at_kink(e, r)
@@ -378,14 +381,23 @@ def leads_back(e: Engine, r: Run, at: float, reach: float) -> bool:
     if math.fabs(beyond - ahead) > JUMPS * math.fabs(after - before):
         g.looked = math.nan
         return False
-    for i in range(e.states):
-        r.after[i] = g.y[i] + 2.0 * h * r.beside[3 * e.states + i]
-        g.y[i] += 2.0 * h * r.beside[2 * e.states + i]
-    there = compared_by(e, g, k, at + 3.0 * h)
-    copy_floats(e.states, r.after, g.y)
-    straight = compared_by(e, g, k, at + 3.0 * h)
+    copy_floats(e.states, g.y, r.after)
+    back = beyond * (led_to(e, r, k, at + h, 2.0 * h, 2) - beyond) < 0.0
+    back = back and beyond * (led_to(e, r, k, at + h, SOONER * h, 2) - beyond) < 0.0
+    # the rates before it lead on from there
+    back = back and not beyond * (led_to(e, r, k, at + h, 2.0 * h, 3) - beyond) < 0.0
     g.looked = math.nan
-    return beyond * (there - beyond) < 0.0 and not beyond * (straight - beyond) < 0.0
+    return back
+
+
+def led_to(e: Engine, r: Run, k: int, t: float, h: float, row: int) -> float:
+    """Return what the kink of guard k compares where rates lead to in a time from `r.after`.
+
+    They are those in a row of `r.beside`.
+    """
+    for i in range(e.states):
+        r.locator.y[i] = r.after[i] + h * r.beside[row * e.states + i]
+    return compared_by(e, r.locator, k, t + h)
 
 
 def kink_between(e: Engine, g: Locator, k: int, t: float) -> float:
