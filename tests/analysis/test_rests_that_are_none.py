@@ -85,6 +85,25 @@ def test_two_springs_on_a_crank_with_a_piston() -> None:
     assert np.ravel(lin.transfer(s))[0] == pytest.approx(want, rel=1e-6)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_rotor_without_current_at_the_start_feels_no_angle_yet(turned: bool) -> None:
+    m = hb.Model("rotor", domain="electrical", parameters={"k": 0.2})
+    parts = {
+        "Va": hb.Se(3.0), "Vb": hb.Se(-1.0), "a": hb.One(), "b": hb.One(),
+        "La": hb.I(0.01), "Lb": hb.I(0.01), "Ra": hb.R(0.5), "Rb": hb.R(0.5),
+        "ga": hb.GY("-k*sin(th)"), "gb": hb.GY("k*cos(th)"), "w": hb.One(domain="rotational"),
+        "J": hb.I(0.002, domain="rotational"), "d": hb.R(0.01, domain="rotational"),
+    }  # fmt: skip
+    m.add(**dict(reversed(parts.items()) if turned else parts.items()))
+    m.signal(th=hb.Integral("w.f", start=0.7))
+    m.bond("Va -> a -> La", "a -> Ra", "Vb -> b -> Lb", "b -> Rb")
+    m.bond("a -> ga -> w", "b -> gb -> w", "w -> J", "w -> d")
+    lin = hb.linearise(m, inputs=["Va"], outputs=["th"], at="equilibrium")
+    # 6 A and -2 A; the torque -6 sin th - 2 cos th is zero and turns back
+    assert lin.operating["th"] == pytest.approx(np.arctan2(-2.0, 6.0), abs=1e-9)
+    assert (lin.poles().real < 0.0).all()
+
+
 def pulled(force: str) -> hb.Model:
     m = hb.Model("pulled", domain="translational")
     m.add(F=hb.Se(force), v=hb.One(), M=hb.I(2.0, f=1.0), b=hb.R(2.0))

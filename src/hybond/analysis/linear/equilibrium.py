@@ -271,6 +271,11 @@ class _Search:
                     f"{self.paths[kept[still][worst]]} goes on changing, {f[worst]:.6g} a second, "
                     "whatever the states are"
                 )
+            idle = ~np.abs(A).max(axis=0).astype(bool) & (kept[still] >= self.stored)
+            if lost is not None and idle.any():
+                # a state that is read and does not act just here: so it may be elsewhere
+                move[still] = d * scale
+                return move, notes, None
             self._note(here, kept[still], scale, conserved)
             now = (here.point.state[kept] - begin[kept])[still] / scale
             if self.bent:
