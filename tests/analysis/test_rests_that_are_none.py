@@ -162,3 +162,34 @@ def test_a_speed_that_has_died_out_is_no_constraint(speed: float, turned: bool) 
     s = 2.0j
     want = 1.0 / (0.05 * s**2 + 0.3 * s + stiff)
     assert np.ravel(lin.transfer(s))[0] == pytest.approx(want, rel=1e-9)
+
+
+def test_an_arm_whose_inertia_is_joined_to_another_one() -> None:
+    """Of two inertias that turn as one either may be the state."""
+    m = hb.Model("joined", domain="rotational", parameters={"r": 0.2})
+    m.add(T=hb.Se(0.4), w=hb.One(), J=hb.I(0.05), b=hb.R(0.3), c=hb.Zero(), w2=hb.One())
+    m.add(J2=hb.I(0.1), x=hb.TF("-r*sin(th)"), v=hb.One(domain="translational"))
+    m.add(k=hb.C(1 / 300, domain="translational"))
+    m.signal(th=hb.Integral("w2.f", start=1.1))
+    m.bond("T -> w -> J", "w -> b", "w -> c -> w2", "w2 -> J2", "w2 -> x -> v -> k")
+    rules = ["closed -> open when c.e > 100"]
+    m.machine("S", states={"open": [], "closed": ["c"]}, start="closed", rules=rules)
+    rest = brentq(lambda a: 0.4 + torque_of_spring(a, 1.1), 1.1, 1.3, xtol=1e-15)
+    lin = hb.linearise(m, inputs=["T"], outputs=["th"], at="equilibrium")
+    assert lin.operating["th"] == pytest.approx(rest, abs=1e-9)
+
+
+def test_two_arms_on_one_spring() -> None:
+    m = hb.Model("two", domain="rotational", parameters={"r": 0.3})
+    m.add(w1=hb.One(), J1=hb.I(0.1), b1=hb.R(0.2), T1=hb.Se(0.7), k1=hb.C(1 / 3))
+    m.add(w2=hb.One(), J2=hb.I(0.2), b2=hb.R(0.2), T2=hb.Se(-0.5), k2=hb.C(1 / 4))
+    m.add(x1=hb.TF("r*cos(a1)"), x2=hb.TF("r*cos(a2)"), z=hb.Zero(domain="translational"))
+    m.add(s=hb.C(1 / 80, domain="translational"))
+    m.signal(a1=hb.Integral("w1.f", start=0.4), a2=hb.Integral("w2.f", start=-0.3))
+    m.bond("T1 -> w1 -> J1", "w1 -> b1", "w1 -> k1", "w1 -> x1 -> z -> s")
+    m.bond("T2 -> w2 -> J2", "w2 -> b2", "w2 -> k2", "w2 -> x2 -> z")
+    lin = hb.linearise(m, inputs=["T1"], outputs=["a1", "a2"], at="equilibrium")
+    a, b = lin.operating["a1"], lin.operating["a2"]
+    force = 80 * 0.3 * (np.sin(a) - np.sin(0.4) + np.sin(b) - np.sin(-0.3))
+    assert 0.7 - 0.3 * np.cos(a) * force - 3 * (a - 0.4) == pytest.approx(0.0, abs=1e-8)
+    assert -0.5 - 0.3 * np.cos(b) * force - 4 * (b + 0.3) == pytest.approx(0.0, abs=1e-8)

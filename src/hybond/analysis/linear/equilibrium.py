@@ -332,8 +332,10 @@ class _Search:
 
         start, kept = here.point.state, self.conserved
         assert kept is not None
-
         asked = 0
+        whole = np.asarray(here.found.basis[: len(start)] @ move)
+        still = set(kept.states.tolist())
+        scales = dict(zip(kept.states.tolist(), kept.scale.tolist(), strict=True))
 
         def way(_: float, state: Vector) -> Vector:
             nonlocal asked
@@ -342,22 +344,20 @@ class _Search:
                 raise self._far(here.point)
             point = valued(self.graph, self.apart.signals, 0.0, state, here.point.mode)
             found = self._proper(point)
-            place = {k: j for j, k in enumerate(found.kept)}
-            if found.kept != here.found.kept:
-                raise self._far(here.point)
-            at = [place[k] for k in kept.states.tolist()]
-            A = found.A[np.ix_(at, at)] * kept.scale / kept.scale[:, None]
+            # of storage that moves as one, either may be among the states
+            at = [j for j, k in enumerate(found.kept) if k < self.stored or k in still]
+            states = [found.kept[j] for j in at]
+            scale = np.array([scales.get(k, 1.0) for k in states])
+            A = found.A[np.ix_(at, at)] * scale / scale[:, None]
             rows = np.linalg.svd(A)[0][:, len(at) - len(kept.rows) :].T
-            step = np.zeros(len(found.kept))
-            for k, d in zip(here.found.kept, move, strict=True):
-                step[place[k]] = d
-            d = step[at] / kept.scale
+            step = whole[list(found.kept)]
+            d = step[at] / scale
             d = d - rows.T @ (rows @ d)
             d[np.abs(d) <= DUST * np.abs(d).max(initial=0.0)] = 0.0
-            step[at] = d * kept.scale
+            step[at] = d * scale
             return np.asarray(found.basis[: len(state)] @ step)
 
-        sizes = np.maximum(np.abs(start), np.abs(here.found.basis[: len(start)] @ move))
+        sizes = np.maximum(np.abs(start), np.abs(whole))
         sizes = np.maximum(sizes, self.seen)
         solved = solve_ivp(
             way,
