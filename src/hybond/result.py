@@ -330,7 +330,7 @@ class Result(Measuring, Tabled):
         cut = side == "left" and bool(self.trace.segments.forgotten)
         if not starts and self.trace.events and len(at) and (at == begin).all():
             # a condition that held at the start: nothing moved
-            for name, value in self._after_last_event(names).items():
+            for name, value in zip(names, self._after_last_event(names), strict=True):
                 found[name][:] = value
             return found
         outside = ~((begin <= at) & (at <= end)) | (cut & (at == begin))
@@ -353,7 +353,7 @@ class Result(Measuring, Tabled):
         at_end = np.flatnonzero(at == end)
         if side == "right" and last is not None and len(at_end) and self._settled_at_end:
             # an event at the very end: its right limit starts no segment
-            for name, value in self._after_last_event(names).items():
+            for name, value in zip(names, self._after_last_event(names), strict=True):
                 found[name][at_end] = value
         return found
 
@@ -372,11 +372,18 @@ class Result(Measuring, Tabled):
             return False
         return events[-1].cause != "step"
 
-    def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
+    @property
+    def _switches_at_end(self) -> bool:
+        """Whether the last instant has a limit from the right of its own."""
+        if not self.segments or not self._settled_at_end:
+            return False
+        return any(step.fired or step.impulses for step in self.trace.events[-1].steps)
+
+    def _after_last_event(self, names: Sequence[str | Expr]) -> list[float]:
         event = self.trace.events[-1]
-        expressions = [self.expression(n) for n in names]
+        expressions = [self.expression(n) if isinstance(n, str) else n for n in names]
         found = self.signals.after(event.t, event.after, event.steps[-1].mode, expressions)
-        return dict(zip(names, found, strict=True))
+        return [float(value) for value in found]
 
     @property
     def mode(self) -> dict[str, str]:
@@ -396,7 +403,8 @@ class Result(Measuring, Tabled):
 
     def _read_end(self) -> dict[str, float]:
         if not self.segments:
-            return self._after_last_event(self.names) if self.trace.events else {}
+            names = self.names if self.trace.events else []
+            return dict(zip(names, self._after_last_event(names), strict=True)) if names else {}
         values = self.sample([self.t_end], self.names)
         return {name: float(v[0]) for name, v in values.items()}
 

@@ -50,6 +50,13 @@ class Tabled:
         side[(ends - many)[0 if run.trace.segments.forgotten else 1 :]] = "right"
         side[ends[:-1] - 1] = "left"
         read = run._of(names, np.repeat(np.arange(len(times)), many), t)
+        if run._switches_at_end:
+            # what happens at the very end starts no segment
+            t = np.append(t, run.t_end)
+            side[-1] = "left"
+            side = np.append(side, "right")
+            last = run._after_last_event(names)
+            read = [np.append(v, end) for v, end in zip(read, last, strict=True)]
         return {"t": t, "side": side, **dict(zip(names, read, strict=True))}
 
     def to_pandas(self, names: Sequence[str] | None = None) -> Any:

@@ -18,7 +18,7 @@ from hybond.equations.degenerate import effective
 from hybond.equations.element_parts import Parts, configure, settings
 from hybond.equations.peeling import Peeling
 from hybond.equations.ring import Numbers, Row
-from hybond.equations.slopes import ConstantSlopes, Slopes
+from hybond.equations.slopes import ConstantSlopes, ReadingSlopes, Slopes
 from hybond.equations.storage import stored_names
 from hybond.errors import EquationError
 from hybond.model.expressions import Expr, Number, Pre, names, substitute, uses_pre
@@ -91,6 +91,7 @@ def linear_rows(
     inputs: Sequence[str],
     outputs: Mapping[str, Expr],
     landed: bool = False,
+    reading: bool = False,
 ) -> LinearRows:
     """Return all equations of a mode near a point.
 
@@ -104,6 +105,9 @@ def linear_rows(
         Names and canonical expressions.
     landed : bool
         Whether impacts are over: ``pre()`` in a law is then zero.
+    reading : bool
+        Whether a slope by a state that is read counts as one where it is zero at the point: what
+        is zero then is zero everywhere.
 
     Raises
     ------
@@ -112,7 +116,9 @@ def linear_rows(
         without a finite slope, HB-Q105 if the mode leaves open what is asked for. Without a point
         HB-Q103 for a law that is not linear, HB-E671 for a source or signal that is not.
     """
-    return _Assembly(graph, mode, values, tuple(inputs), outputs, landed=landed).made()
+    return _Assembly(
+        graph, mode, values, tuple(inputs), outputs, landed=landed, reading=reading
+    ).made()
 
 
 @dataclass(slots=True)
@@ -137,6 +143,7 @@ class _Assembly:
         outputs: Mapping[str, Expr],
         *,
         landed: bool,
+        reading: bool,
     ) -> None:
         for sample in graph.samples:
             raise EquationError(
@@ -163,7 +170,7 @@ class _Assembly:
         else:
             watched = {f"at:{w.index}": values[f"at:{w.index}"] for w in graph.watches}
             self.discrete = settings(graph, mode, watched)
-            self.slopes = Slopes(graph, values, self.discrete)
+            self.slopes = (ReadingSlopes if reading else Slopes)(graph, values, self.discrete)
         self.parts = Parts(graph)
         self.timed: dict[str, None] = {}
         self.steep: list[tuple[int, Expr, EquationError]] = []

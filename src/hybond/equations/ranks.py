@@ -28,6 +28,8 @@ NOISE = 1e-12
 ROUNDING = 1e-14
 """What is made of numbers is right to this part of their sizes; below it, an entry is zero.
 Rounding left as an entry would be scaled up until it mattered."""
+DUST = -53.0
+"""Binary places below one, in the best units, under which an entry decides no units: rounding."""
 ALL = slice(None)
 
 
@@ -185,7 +187,7 @@ def scaled(d: Descriptor) -> Scaled:
     collect(d.B, rows, inputs, with_time=False)
     collect(d.C, outputs, columns, with_time=False)
     collect(d.F, outputs, columns, with_time=True)
-    x = exponents(terms, time + 1)
+    x = _without_dust(terms, time + 1)
     r, c, u, y = (
         np.exp2(x[k : k + size]) for k, size in ((rows, m), (columns, n), (inputs, p), (outputs, q))
     )
@@ -200,6 +202,41 @@ def scaled(d: Descriptor) -> Scaled:
         columns=c,
         time=t,
     )
+
+
+def _without_dust(
+    terms: list[tuple[tuple[tuple[int, float], ...], float]], unknowns: int
+) -> NDArray[np.float64]:
+    """Return exponents for the terms but those that no units make more than rounding.
+
+    A speed that has died out leaves a coefficient of 1e-37 where a modulus turns with it: units
+    that bring it near one make all others rounding.
+    """
+    x = exponents(terms, unknowns)
+    while True:
+        logs = [log + sum(c * x[k] for k, c in which) for which, log in terms]
+        limit = 0.5 * min(logs, default=0.0)
+        seen = np.zeros(unknowns)
+        for which, _ in terms:
+            for k, _ in which:
+                seen[k] += 1
+        left, small = [], []
+        for term, log in zip(terms, logs, strict=True):
+            own = [k for k, _ in term[0]]
+            if log > limit or limit > DUST / 8.0 or min(seen[own]) <= 1:
+                left.append(term)
+            else:
+                seen[own] -= 1
+                small.append(term)
+        if not small:
+            return x
+        # an entry is rounding if units that are made without it say so
+        without = exponents(left, unknowns)
+        back = [t for t in small if t[1] + sum(c * without[k] for k, c in t[0]) >= DUST]
+        if len(back) == len(small):
+            return x
+        terms = left + back
+        x = exponents(terms, unknowns)
 
 
 def exponents(

@@ -195,6 +195,16 @@ class Slopes:
         return total
 
 
+class ReadingSlopes(Slopes):
+    """Slopes that are not zero wherever a state is read: a spring may happen to be slack."""
+
+    def at(self, e: Expr, name: str, where: str) -> float:
+        """Return the slope of an expression by one name; 1 for a state by which it has none."""
+        slope = super().at(e, name, where)
+        is_read = name.startswith(("x:", "s:")) and name in names(e)
+        return 1.0 if is_read and not slope else slope
+
+
 class ConstantSlopes(Slopes):
     """Differentiates expressions that are linear with constant coefficients; refuses all others."""
 

@@ -90,11 +90,20 @@ def crossings_of(
         return np.where(rising, value >= 0.0, value <= 0.0)
 
     high = _bisected(points.t[at], points.t[at + 1], there)
-    return tuple(
+    found = [
         Crossing(t, "rise" if r else "fall", j)
         for t, r, j in zip(high.tolist(), rising.tolist(), jump.tolist(), strict=True)
         if t > window.start or window.first
-    )
+    ]
+    beyond = reader.beyond(window)
+    if beyond is not None:
+        # a jump at the end belongs to the window
+        last = float(above[-1])
+        if last < 0.0 <= beyond - level and edge != "fall":
+            found.append(Crossing(window.end, "rise", True))
+        elif last > 0.0 >= beyond - level and edge != "rise":
+            found.append(Crossing(window.end, "fall", True))
+    return tuple(found)
 
 
 @dataclass(frozen=True, slots=True)

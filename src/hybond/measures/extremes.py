@@ -52,6 +52,11 @@ def extreme_of(
     how = without_impulses(run, name, window, impulses, what)
     reader = Reader(run, name)
     segment, t, value = _best(reader, window, sign, tolerance)
+    # what the last instant leaves begins no window that would have it
+    beyond = reader.beyond(window) if window.end == run.t_end else None
+    if beyond is not None and sign * beyond > sign * value + NOISE * abs(value):
+        about = About(run.unit(name), window.start, window.end, t=window.end, side="right", how=how)
+        return Measurement(beyond, about)
     begins, ends = run.trace.segments.times[segment], t
     at_begin = t == begins and t > run.t_begin
     at_end = segment + 1 < len(run.segments) and ends == run.trace.segments.times[segment + 1]

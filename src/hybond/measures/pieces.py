@@ -180,6 +180,23 @@ class Reader:
             )
         return found
 
+    def beyond(self, window: Window) -> float | None:
+        """Return the limit from the right at the end of a window; None if nothing begins there.
+
+        What happens there belongs to the window; where it leaves no value, there is none.
+        """
+        t = window.end
+        starts = self.run.trace.segments.times
+        k = int(np.searchsorted(starts, t, side="right")) - 1
+        if k > 0 and starts[k] == t:
+            (found,) = self.run._of([self._asked], np.array([k]), np.array([t]))
+            value = float(found[0])
+        elif t == self.run.t_end and self.run._settled_at_end:
+            (value,) = self.run._after_last_event([self._asked])
+        else:
+            return None
+        return value if math.isfinite(value) else None
+
     def of(self, pieces: Pieces) -> Vector:
         """Return values at Chebyshev's points of pieces, shape (n, 11)."""
         t = pieces.times()

@@ -142,12 +142,12 @@ class ScriptResult(Result):
             self._read[k, name] = read_name(self.parts[k].graph, name)
         return self._read[k, name]
 
-    def _after_last_event(self, names: Sequence[str]) -> dict[str, float]:
+    def _after_last_event(self, names: Sequence[str | Expr]) -> list[float]:
         event = self.trace.events[-1]
         last = len(self.parts) - 1
         expressions = [self._expression_in(last, n) for n in names]
         found = self.signals.after(event.t, event.after, event.steps[-1].mode, expressions)
-        return dict(zip(names, found, strict=True))
+        return [float(value) for value in found]
 
     def weight(
         self, machine: str, state: str, t: float, *, side: Literal["left", "right"] = "right"

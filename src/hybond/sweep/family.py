@@ -88,7 +88,12 @@ class Family:
         read = {n for e in self._expressions for n in names(e)} - numbers
         prior = any(map(uses_pre, expressions))
         own = sorted(self._index[n] for n in read)
-        self.looked = np.array([*own, *(k + self._size for k in own if prior)], dtype=np.intc)
+        reads = [sorted(self._index[n] for n in {*names(e)} - numbers) for e in lifted]
+        self.measured = np.array(sorted({k for read in reads for k in read}), dtype=np.intc)
+        # extremes ask for what the end of a run leaves, too
+        ends = self.measured.tolist() if any(m.is_extreme for m in measures) else []
+        looked = [*own, *(k + self._size for k in own if prior)]
+        self.looked = np.array([*looked, *(k for k in ends if k not in looked)], dtype=np.intc)
         self.model = NativeModel(tables)
         self._own = len(self.model.written)
         trees = [tree for _, _, tree in self.model.written]
@@ -100,8 +105,6 @@ class Family:
             [compile_expression(e, index, ARRAYS, pre_offset=self._size) for e in own]
             for own in (self._expressions, lifted)
         )
-        reads = [sorted(self._index[n] for n in {*names(e)} - numbers) for e in lifted]
-        self.measured = np.array(sorted({k for own in reads for k in own}), dtype=np.intc)
         self.measuring: Measuring | None = None
         if measures:
             from hybond.sweep.measured import Measuring
@@ -110,6 +113,7 @@ class Family:
                 measures,
                 [isinstance(e, Name) for e in signals],
                 [np.searchsorted(self.measured, own) for own in reads],
+                np.array([self.looked.tolist().index(k) for k in ends], dtype=np.intp),
             )
 
     def numbers(

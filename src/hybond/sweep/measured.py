@@ -67,6 +67,11 @@ class Measure:
     tolerance: float
     refuses: bool
 
+    @property
+    def is_extreme(self) -> bool:
+        """Whether it asks for the largest or the smallest value."""
+        return self.function in EXTREMES
+
 
 def measure_of(asked: Asked, text: str, until: float) -> Measure | None:
     """Return what the steps of members tell of a measurement; None if a run must be asked.
@@ -153,6 +158,9 @@ class Measuring:
         Of each measure, whether its signal is a name: a polynomial in each step.
     reads : sequence of array of int
         Of each measure, which of the slots that are looked at it reads.
+    ends : array of int
+        Where these slots stand among those that are looked at where a run ends, if extremes are
+        asked for.
     """
 
     def __init__(
@@ -160,8 +168,10 @@ class Measuring:
         measures: Sequence[Measure],
         is_name: Sequence[bool],
         reads: Sequence[Whole],
+        ends: Whole,
     ) -> None:
         self.measures, self._is_name, self._reads = measures, is_name, reads
+        self._ends = ends
 
     def of(self, ran: Ran, values: Values) -> tuple[Vector, Mask]:
         """Return measurements, shape (measures, members), and of which members all are known.
@@ -194,7 +204,8 @@ class Measuring:
             if not here.all():
                 pieces, slots = pieces.part(here), slots[np.repeat(here, len(NODES))]
             if len(pieces):
-                found[k] = one.measured(measure, window, pieces, slots)
+                last = one.beyond(window, ran, self._ends) if measure.is_extreme else None
+                found[k] = one.measured(measure, window, pieces, slots, last)
         found[:, ~known] = np.nan
         return found, known
 
@@ -285,8 +296,28 @@ class _One:
         self.known[many] = False
         return todo.part(~many[todo.member])
 
+    def beyond(self, window: _Windows, ran: Ran, ends: Whole) -> tuple[Vector, Vector]:
+        """Return when windows end, and what is left where the run does, too; nan elsewhere.
+
+        Parameters
+        ----------
+        ends : array of int
+            Where slots stand among those that the library tells of the end of a run.
+        """
+        end = window.end
+        found = np.full(len(end), np.nan)
+        over = np.flatnonzero(self.known & (end == ran.end))
+        if len(over):
+            found[over] = self.values(self.number, ran.out[over, -1][:, ends], over)
+        return end, np.where(np.isfinite(found), found, np.nan)
+
     def measured(
-        self, measure: Measure, window: _Windows, pieces: Stretches, slots: Vector
+        self,
+        measure: Measure,
+        window: _Windows,
+        pieces: Stretches,
+        slots: Vector,
+        last: tuple[Vector, Vector] | None,
     ) -> Vector:
         """Return the measurement of each member."""
         values = self.read(pieces, pieces.times(), slots)
@@ -300,10 +331,10 @@ class _One:
                 square = self.integral(measure, pieces, values, power=2)
                 return np.sqrt(np.maximum(square, 0.0) / length)
             case "peak_to_peak":
-                low, high = (self.extreme(measure, pieces, values, s)[1] for s in (-1.0, 1.0))
+                low, high = (self.extreme(measure, pieces, values, s, last)[1] for s in (-1.0, 1.0))
                 return high - low
         sign = 1.0 if measure.function.startswith("max") else -1.0
-        t, best = self.extreme(measure, pieces, values, sign)
+        t, best = self.extreme(measure, pieces, values, sign, last)
         return t if measure.function.endswith("_at") else best
 
     def integral(
@@ -336,7 +367,12 @@ class _One:
         return total
 
     def extreme(
-        self, measure: Measure, todo: Stretches, first: Vector, sign: float
+        self,
+        measure: Measure,
+        todo: Stretches,
+        first: Vector,
+        sign: float,
+        last: tuple[Vector, Vector] | None,
     ) -> tuple[Vector, Vector]:
         """Return when each has its extreme first, and the extreme, as `measures.extremes`."""
         many = len(self.known)
@@ -377,6 +413,9 @@ class _One:
             at = within(low, high, x[order])
             exact = self.read(pieces.part(which[order]), at)
             _better(sign, own[order], at, exact, best, t, value)
+        if last is not None:
+            beyond = sign * last[1] > sign * value + NOISE * np.abs(value)
+            t[beyond], value[beyond] = last[0][beyond], last[1][beyond]
         return t, value
 
 

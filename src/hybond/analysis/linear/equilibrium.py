@@ -4,6 +4,10 @@ Each step solves ``A d = -rates`` with the matrix of the linearisation at the pr
 states that are independent there. Where A has no inverse there are either many states of rest or
 none. Of many, the one is taken that keeps what the motion conserves (the volume in two tanks that a
 pipe joins) and else is nearest; there is none where what A cannot change is not zero.
+
+What is conserved may bend: a spring that a turning arm pulls is as long as the angle says. The
+search then begins anew, and its steps are paths on which nothing is gained of it from point to
+point (of the charge of the spring, in terms of the turning), not straight lines.
 """
 
 from __future__ import annotations
@@ -14,13 +18,13 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.analysis.linear.point import Point, entered
+from hybond.analysis.linear.point import Point, entered, valued
 from hybond.engine.outcome.apart import Apart
 from hybond.equations.calculus import rate_name
 from hybond.equations.linear_rows import linear_rows
 from hybond.errors import HybondError, NumericsError
 from hybond.export.linear.proper import Proper, proper
-from hybond.model.expressions import compile_expression
+from hybond.model.expressions import compile_expression, names
 from hybond.model.graph import FlatGraph, Mode
 
 Vector = NDArray[np.float64]
@@ -41,6 +45,17 @@ DUST = 1e-13
 """Part of the largest move or rate, or of what a state has been, below which one is rounding."""
 STUCK = 4
 """Steps that may make nothing smaller."""
+SLOW = 0.01
+"""Part by which a step that is a path makes rates smaller that is as good as nothing."""
+BENT = 1e-9
+"""Sine of the angle between what two points conserve above which it is not the same."""
+LONGER = 8.0
+"""How much longer than the last step the next one is, at the most, where what is conserved turns:
+a path is dear."""
+TURNS = 80
+"""Points at which a path is looked at, at the most."""
+PATH = 1e-10
+"""To which part of the step, and of the states, a path is followed on which all is conserved."""
 NEARER = "give start values nearer to it, or linearise at the end of a long run"
 OTHER = "choose another mode, or linearise at a time of a run, or at states that you give"
 
@@ -77,6 +92,34 @@ class _Here:
     still: NDArray[np.bool_]
 
 
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """What the motion conserves near a point, to first order.
+
+    Parameters
+    ----------
+    mode : Mode
+    states : array of int
+        The states that it is made of.
+    scale : array
+        What they are measured in.
+    rows : array
+        Orthonormal: how it changes with them.
+    point : array
+        All states.
+    """
+
+    mode: Mode
+    states: NDArray[np.intp]
+    scale: Vector
+    rows: NDArray[np.float64]
+    point: Vector
+
+
+class _Bent(Exception):
+    """What is conserved is not the same at two points."""
+
+
 class _Search:
     def __init__(self, graph: FlatGraph, mode: Mode, *, chosen: bool) -> None:
         self.graph, self.mode, self.chosen = graph, mode, chosen
@@ -92,6 +135,12 @@ class _Search:
         """The largest value that each state has had."""
         self.stuck = 0
         """Steps that made nothing smaller."""
+        self.conserved: _Kept | None = None
+        """What the motion conserves at the last point."""
+        self.bent = False
+        """Whether that turns, so that steps follow it."""
+        self.reach = np.inf
+        """How long the last step was that made rates smaller, where what is conserved turns."""
 
     def found(self) -> tuple[Point, list[str]]:
         point = entered(
@@ -100,13 +149,18 @@ class _Search:
         begin = point.state
         for _ in range(STEPS):
             here = self._here(point)
-            move, notes, lost = self._move(here, begin)
+            try:
+                move, notes, lost = self._move(here, begin)
+            except _Bent:
+                point = self._anew(begin, here)
+                continue
             # rounding is that of the terms which cancel in a rate
             kept = list(here.found.kept)
             terms = np.abs(here.found.A) @ np.maximum(np.abs(move), np.abs(point.state[kept]))
             self.sizes[kept] = np.maximum(self.sizes[kept], terms)
             if self._off(here) <= REST and (lost is not None or self._is_small(move, here)):
                 self._check(point)
+                self._check_guards(here)
                 return Point(
                     point.t, point.mode, point.state, point.values, point.landed, "equilibrium"
                 ), notes
@@ -120,8 +174,28 @@ class _Search:
         )
 
     def _here(self, point: Point) -> _Here:
-        graph = self.graph
-        rows = linear_rows(graph, point.mode, point.values, inputs=(), outputs={})
+        found = self._proper(point)
+        read = np.abs(found.A).max(axis=0, initial=0.0) > 0.0
+        still = [k < self.stored or bool(read[j]) for j, k in enumerate(found.kept)]
+        if not all(still):
+            everywhere = self._read_anywhere(point)
+            still = [s or k in everywhere for s, k in zip(still, found.kept, strict=True)]
+        self._measure(point)
+        return _Here(point, found, self._rates(point, found), np.array(still, dtype=bool))
+
+    def _read_anywhere(self, point: Point) -> set[int]:
+        """Return the states that laws of the mode read, be it that they do not show at the point.
+
+        A spring that is slack pulls no arm, whatever its angle is.
+        """
+        found = self._proper(point, reading=True)
+        read = np.abs(found.A).max(axis=0, initial=0.0) > 0.0
+        return {k for j, k in enumerate(found.kept) if read[j]}
+
+    def _proper(self, point: Point, *, reading: bool = False) -> Proper:
+        rows = linear_rows(
+            self.graph, point.mode, point.values, inputs=(), outputs={}, reading=reading
+        )
         if rows.timed:
             self._none(
                 point,
@@ -129,11 +203,7 @@ class _Search:
                 hint="linearise at a time of a run, or at states that you give: both hold the time",
             )
         first = range(self.stored, rows.stored)
-        found = proper(rows.E, rows.A, rows.B, rows.stored, keep=first)
-        read = np.abs(found.A).max(axis=0, initial=0.0) > 0.0
-        still = [k < self.stored or bool(read[j]) for j, k in enumerate(found.kept)]
-        self._measure(point)
-        return _Here(point, found, self._rates(point, found), np.array(still, dtype=bool))
+        return proper(rows.E, rows.A, rows.B, rows.stored, keep=first)
 
     def _measure(self, point: Point) -> None:
         """Note how large efforts and flows are around each state."""
@@ -172,6 +242,8 @@ class _Search:
 
         kept, still = np.array(here.found.kept, dtype=int), here.still
         move = np.zeros(len(kept))
+        if self.bent:
+            self.conserved = None
         notes = [
             f"{self.paths[kept[j]]} goes on at {here.rates[j]:.6g} a second; nothing reads it"
             for j in np.flatnonzero(~still)
@@ -199,7 +271,15 @@ class _Search:
                     f"{self.paths[kept[still][worst]]} goes on changing, {f[worst]:.6g} a second, "
                     "whatever the states are"
                 )
+            idle = ~np.abs(A).max(axis=0).astype(bool) & (kept[still] >= self.stored)
+            if lost is not None and idle.any():
+                # a state that is read and does not act just here: so it may be elsewhere
+                move[still] = d * scale
+                return move, notes, None
+            self._note(here, kept[still], scale, conserved)
             now = (here.point.state[kept] - begin[kept])[still] / scale
+            if self.bent:
+                now[:] = 0.0
             d = d + free @ np.linalg.lstsq(conserved @ free, -conserved @ (now + d), rcond=1e-8)[0]
             many = len(A) - rank
             notes.append(
@@ -212,17 +292,111 @@ class _Search:
         move[still] = d * scale
         return move, notes, lost
 
+    def _note(
+        self, here: _Here, states: NDArray[np.intp], scale: Vector, rows: NDArray[np.float64]
+    ) -> None:
+        """Note what is conserved at a point.
+
+        Raises
+        ------
+        _Bent
+            Where it is not what it was at the point before.
+        """
+        old = self.conserved
+        self.conserved = _Kept(here.point.mode, states, scale, rows, here.point.state)
+        if self.bent or old is None or old.mode != here.point.mode:
+            return
+        if rows.shape[0] == old.rows.shape[0] and np.array_equal(states, old.states):
+            was = np.linalg.qr((old.rows * (scale / old.scale)).T)[0]
+            if np.abs(rows - (rows @ was) @ was.T).max(initial=0.0) > BENT:
+                raise _Bent
+
+    def _anew(self, begin: Vector, here: _Here) -> Point:
+        """Return where the search begins anew, on paths on which all is conserved.
+
+        What is not part of it, as a speed at the start, is taken from the present point: while
+        the point moves, how a rate changes does not tell what its coefficients conserve.
+        """
+        assert self.conserved is not None
+        self.bent, self.stuck = True, 0
+        state = begin.copy()
+        part = np.abs(self.conserved.rows).max(axis=0) > BENT
+        free = np.ones(len(state), dtype=bool)
+        free[self.conserved.states[part]] = False
+        state[free] = here.point.state[free]
+        return entered(self.apart, self.graph, state, self.mode, chosen=self.chosen, said="")
+
+    def _along(self, here: _Here, move: Vector) -> Vector:
+        """Return the states at the end of a step of the kept ones on which all is conserved."""
+        from scipy.integrate import solve_ivp
+
+        start, kept = here.point.state, self.conserved
+        assert kept is not None
+        asked = 0
+        whole = np.asarray(here.found.basis[: len(start)] @ move)
+        still = set(kept.states.tolist())
+        scales = dict(zip(kept.states.tolist(), kept.scale.tolist(), strict=True))
+
+        def way(_: float, state: Vector) -> Vector:
+            nonlocal asked
+            asked += 1
+            if asked > TURNS:
+                raise self._far(here.point)
+            point = valued(self.graph, self.apart.signals, 0.0, state, here.point.mode)
+            found = self._proper(point)
+            # of storage that moves as one, either may be among the states
+            at = [j for j, k in enumerate(found.kept) if k < self.stored or k in still]
+            states = [found.kept[j] for j in at]
+            scale = np.array([scales.get(k, 1.0) for k in states])
+            A = found.A[np.ix_(at, at)] * scale / scale[:, None]
+            rows = np.linalg.svd(A)[0][:, len(at) - len(kept.rows) :].T
+            step = whole[list(found.kept)]
+            d = step[at] / scale
+            d = d - rows.T @ (rows @ d)
+            d[np.abs(d) <= DUST * np.abs(d).max(initial=0.0)] = 0.0
+            step[at] = d * scale
+            return np.asarray(found.basis[: len(state)] @ step)
+
+        sizes = np.maximum(np.abs(start), np.abs(whole))
+        sizes = np.maximum(sizes, self.seen)
+        solved = solve_ivp(
+            way,
+            (0.0, 1.0),
+            start,
+            method="DOP853",
+            rtol=PATH,
+            atol=PATH * np.maximum(sizes, DUST * self.largest),
+        )
+        return np.asarray(solved.y[:, -1])
+
+    def _far(self, point: Point) -> NumericsError:
+        """Return why a path was not followed: the step is halved."""
+        return NumericsError(
+            "no equilibrium: the way to it is long, and what is conserved turns on it",
+            code="HB-A510",
+            where=self.graph.mode_text(point.mode),
+            hint=NEARER,
+        )
+
     def _ahead(self, here: _Here, move: Vector) -> Point:
         """Return the next point: the whole step, or as much of it as makes rates smaller."""
         point = here.point
         direction = here.found.basis[: len(point.state)] @ move
         before = self._off(here)
-        part = 1.0
+        part, length = 1.0, 0.0
+        if self.conserved is not None and self.bent:
+            at = [here.found.kept.index(k) for k in self.conserved.states.tolist()]
+            length = float(np.abs(move[at] / self.conserved.scale).max(initial=0.0))
+            part = min(1.0, LONGER * self.reach / length) if length else 1.0
+        least = LEAST * part
         last: Point | None = None
         why: HybondError | None = None
-        while part > LEAST:
+        while part > least:
             try:
-                ahead = point.state + part * direction
+                if self.bent and length:
+                    ahead = self._along(here, part * move)
+                else:
+                    ahead = point.state + part * direction
                 # a state that goes to zero arrives there: a modulus may be a multiple of it
                 ahead[np.abs(ahead) <= DUST * self.seen] = 0.0
                 trial = self._settled(ahead, point.mode)
@@ -238,15 +412,22 @@ class _Search:
                 return trial
             after = self._off(_Here(trial, here.found, self._rates(trial, here.found), here.still))
             if after <= (1.0 - 0.1 * part) * before or after <= REST:
+                self.reach = part * length or self.reach
+                if self.reach < np.inf and after > max(REST, (1.0 - SLOW) * before):
+                    self._is_stuck(point)
                 return trial
             part /= 2.0
         if last is None:
             assert why is not None
             raise why
+        self._is_stuck(point)
+        return last
+
+    def _is_stuck(self, point: Point) -> None:
+        """Count a step that made nothing smaller, and refuse after some."""
         self.stuck += 1
         if self.stuck > STUCK:
             self._none(point, "no step makes the rates smaller", hint=NEARER)
-        return last
 
     def _settled(self, state: Vector, mode: Mode) -> Point:
         return entered(self.apart, self.graph, state, mode, chosen=False, said="")
@@ -257,6 +438,21 @@ class _Search:
         if after.mode != point.mode:
             text = self.graph.mode_text(after.mode)
             self._none(point, f"there the mode is left at once for ({text})")
+
+    def _check_guards(self, here: _Here) -> None:
+        """Refuse a rest of the laws in which what a guard waits for goes on."""
+        for j in np.flatnonzero(~here.still):
+            k = here.found.kept[j]
+            if abs(here.rates[j]) <= REST * self.sizes[k]:
+                continue
+            for machine, state in zip(self.graph.machines, here.point.mode, strict=True):
+                for rule in machine.rules:
+                    if rule.source == state and f"s:{k - self.stored}" in names(rule.guard):
+                        self._none(
+                            here.point,
+                            f"{self.paths[k]} goes on changing, {here.rates[j]:.6g} a second, and "
+                            f"{machine.path} reads it: {rule.text}",
+                        )
 
     def _none(self, point: Point, why: str, hint: str = OTHER) -> NoReturn:
         raise NumericsError(
