@@ -37,14 +37,14 @@ def node(order: tuple[str, ...], bend: str, flow: float, turned: bool = False) -
 def test_a_law_without_effort_takes_a_flow_whole(
     order: tuple[str, ...], bend: str, turned: bool
 ) -> None:
-    # the inertia takes a flow of 0.35 out of the node, which what is one-way lets in
+    # the inertia takes a flow of 0.9 out of the node, which what is one-way lets in
     for solver in SOLVERS:
-        flow = 0.35 if not turned else -0.35
+        flow = 0.9 if not turned else -0.9
         run = hb.simulate(node(order, bend, flow, turned), 1.0, solver=solver)
         assert run.status == "ok"
         for t in (0.0, 0.4, 1.0):
-            assert run["i.p"].at(t) == pytest.approx(0.7, rel=1e-12)
-            assert run["d.f"].at(t) == pytest.approx(-0.35, rel=1e-9)
+            assert run["i.p"].at(t) == pytest.approx(1.8, rel=1e-12)
+            assert run["d.f"].at(t) == pytest.approx(-0.9, rel=1e-9)
             for name in "sb":
                 assert run[f"{name}.f"].at(t) == pytest.approx(0.0, abs=1e-9)
                 assert run[f"{name}.e"].at(t) == pytest.approx(0.0, abs=1e-9)
