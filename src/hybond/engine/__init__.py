@@ -68,7 +68,8 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             several, one_root    whether laws may have several solutions
             others          another one, looked for
             branch, followed_records    the one that a motion follows: where Newton's method begins
-            beside_jumps, level    solutions just beside a jump; what is rounding of what is known
+            beside_jumps, at_jumps    solutions just beside a jump; one law at its jump
+            level           what is rounding of what is known
             put_back, agreement    whether a solution holds; whether sources agree
             freedom, flat_sides    what a system leaves free; laws at a corner beside which they are
                             flat

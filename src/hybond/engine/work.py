@@ -107,6 +107,8 @@ class Work:
     """Of each row: whether it is kept at a corner, so that its slope is that of the other side."""
     holds_rows: bool
     """Whether Newton keeps how rows of the power structure are combined."""
+    held_jump: int
+    """One more than the row of a law that is held at its jump while the others are solved for."""
     takes_rounding: bool
     """Whether shorter steps may end where no part of one helps if all laws hold to rounding."""
     met_rounding: bool

@@ -5,7 +5,7 @@ resistor ``sign(f)`` that is held at rest has no value for any force but zero.
 """
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 import pytest
 
@@ -103,3 +103,38 @@ def test_a_rebound_is_not_made_plastic_by_a_trial() -> None:
     m.bond("q -> o", "o -> r", "j -> v", "v -> i")
     with pytest.raises(hb.NumericsError, match="HB-N301"):
         hb.simulate(m, 1.0)
+
+
+ORDERS = [
+    ["push", "hold", "drain", "c", "line", "g", "i"],
+    ["drain", "hold", "push", "c", "line", "g", "i"],
+    ["i", "g", "line", "c", "drain", "hold", "push"],
+]
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("order", ORDERS, ids=["hold", "drain", "last"])
+def test_friction_beside_a_sign_does_not_break_loose_where_another_comes_to_rest(
+    order: list[str], way: float, solver: Literal["auto", "radau", "rk45"]
+) -> None:
+    parts: dict[str, Any] = {
+        "push": hb.Se(-0.3),
+        "hold": hb.One(law="coulomb", limit=1.75),
+        "drain": hb.Zero(law="coulomb", limit=1.76),
+        "c": hb.C(0.71, q=0.78 * way),
+        "line": hb.One(),
+        "g": hb.R({"f": "0.763*sign(e)"}),
+        "i": hb.I(1.0),
+    }
+    m = hb.Model("holds")
+    m.add(**{name: parts[name] for name in order})
+    m.bond("push -> hold -> line", "line -> g", "line -> i", "line -> drain", "c -> drain")
+    run = hb.simulate(m, 1.0, solver=solver)
+    # the line is held by more than pushes it, and the charge goes at 1.76/s until there is none
+    assert run.status == "ok"
+    for t in (0.1, 0.4, 0.44, 0.46, 0.9):
+        left = way * max(0.0, 0.78 - 1.76 * t)
+        assert run["c.q"].at(t) == pytest.approx(left, abs=1e-12)
+    assert run["i.p"].at(0.9) == 0.0
+    assert run["hold.e"].at(0.9) == pytest.approx(-0.3, rel=1e-12)

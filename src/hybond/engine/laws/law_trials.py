@@ -20,13 +20,17 @@ from hybond.engine.words import Floats
 
 MANY_BRANCHES: Final = 729
 """Branches of all laws together up to which all are tried."""
+NOT_SO: Final = -1
+"""Branches of which one is closed that may not be."""
 
 
 def by_trial(e: Engine, r: Laws, x: Floats) -> int:
-    """Try all branches from the state in r.here, those of the mode first.
+    """Try all branches from the state in r.here, first those of the mode, then those near it.
 
-    Before any law has struck they are entered with whatever impulses that takes. STANDS, or STOPS
-    with the fault that there are no values at which the laws hold.
+    Of several that stand it is one in which most laws do what they did: what a law that has come
+    to its end does there is no reason for another to break loose. Before any law has struck they
+    are entered with whatever impulses that takes. STANDS, or STOPS with the fault that there are
+    no values at which the laws hold.
     """
     m = e.model
     many = tried_at_most(m)
@@ -44,11 +48,14 @@ def by_trial(e: Engine, r: Laws, x: Floats) -> int:
     for ahead in range(2):
         r.looks_ahead = ahead == 0
         r.saw_ahead = False
-        turn = 0
-        while turn < many and found != STANDS:
-            if nth_branches(m, r, turn):
-                found = try_candidate(e, r, x, False)
-            turn += 1
+        changed = 0
+        while changed <= m.ports and found != STANDS:
+            turn = 0
+            while turn < many and found != STANDS:
+                if nth_branches(m, r, turn) == changed:
+                    found = try_candidate(e, r, x, False)
+                turn += 1
+            changed += 1
         if found == STANDS or not r.saw_ahead:
             break
     r.leaps = False
@@ -91,20 +98,30 @@ def knows(m: Model, law: int, pair: int) -> bool:
     return True
 
 
-def nth_branches(m: Model, r: Laws, turn: int) -> bool:
+def nth_branches(m: Model, r: Laws, turn: int) -> int:
     """Put the branches of that number, counted from those of the mode, into `r.candidate`.
 
-    False if one of them is closed that may not be.
+    How many laws do what they do not in the mode; NOT_SO if one is closed that may not be.
     """
     left = turn
     may = True
+    changed = 0
     for k in range(m.machines):
         r.candidate[k] = r.state[k]
     for k in range(m.ports):
         machine = m.port_machine[k]
         ways = 3 if m.port_two_sided[k] != 0 else 2
         now = r.state[machine] if r.state[machine] < ways else 0
-        r.candidate[machine] = (now + left % ways) % ways
+        way = left % ways
+        changed += 1 if way > 0 else 0
+        r.candidate[machine] = next_branch(now, way, ways)
         may = may and (r.able[k] != 0 or not is_on(m, k, r.candidate[machine]))
         left //= ways
-    return may
+    return changed if may else NOT_SO
+
+
+def next_branch(now: int, way: int, ways: int) -> int:
+    """Return the branch of a law that is `way` beyond `now`: friction comes to rest, then turns."""
+    if ways == 3 and now > 0 and way > 0:
+        return 0 if way == 1 else 3 - now
+    return (now + way) % ways

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.products import copy_part
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.method_numbers import AUTO, EXACT, QSS1, RADAU, RK4
 from hybond.engine.methods.control import (
@@ -152,9 +153,9 @@ def reach(e: Engine, t: float) -> None:
         k = r.pieces - 1
         factor = stretched(r.piece_t0[k], r.piece_t1[k], t)
         stretch(n, factor, r.piece_polynomial, 4 * k * n)
+        copy_part(n, s.y1, 0, r.piece_y1, k * n)
         if factor > FARTHER:
             for i in range(n):
-                r.piece_y1[k * n + i] = s.y1[i]
                 r.piece_polynomial[4 * k * n + i] = s.y1[i] - r.piece_y0[k * n + i]
         r.piece_t1[k] = t
     else:
@@ -164,6 +165,30 @@ def reach(e: Engine, t: float) -> None:
             for i in range(n):
                 s.dense[i] = s.y1[i] - s.y0[i]
     s.t1 = t
+
+
+def go_straight(e: Engine, way: float, rate: Floats) -> None:
+    """Let the last step be one that takes that time from where it began, at one rate."""
+    s = e.step
+    n = e.states
+    s.t = s.t0  # rates are known where it begins, and are no others' where it ends
+    s.t1 = s.t0 + way
+    for i in range(n):
+        s.y1[i] = s.y0[i] + way * rate[i]
+    if by_radau(e) and not e.curved:
+        r = e.radau
+        r.pieces = 1
+        r.piece_t0[0] = s.t0
+        r.piece_t1[0] = s.t1
+        copy_part(n, s.y0, 0, r.piece_y0, 0)
+        copy_part(n, s.y1, 0, r.piece_y1, 0)
+        for k in range(4 * n):
+            r.piece_polynomial[k] = way * rate[k] if k < n else 0.0
+        s.apart = 0.0
+        s.defect = 0.0
+        return
+    for k in range(4 * n):
+        s.dense[k] = way * rate[k] if k < n else 0.0
 
 
 def stretched(t0: float, t1: float, t: float) -> float:

@@ -58,6 +58,8 @@ SHORTER: Final = 0.25
 """Part of a step that saw a kink where there was none that the next one may be."""
 NEARER: Final = 0.5
 """Part of the way to a kink that a step leaves at the most where it has come nearer to it."""
+CLEAR: Final = 4.0
+"""Instants before a kink, at the most, at which an implicit step ends that goes up to it."""
 ANEW: Final = -2
 """A step has ended, and the next begins anew behind it."""
 
@@ -219,8 +221,10 @@ def go_up_to(e: Engine, r: Run, kink: float, left: float) -> int:
     found = leave_or_go(e, r, e.step.t1)
     if found == ANEW and kink > e.t:
         e.step.h = min(e.step.h, kink - e.t)
-    if found == ANEW and left > room_of_instant(e, e.t):
-        e.step.h = min(e.step.h, left)
+    room = room_of_instant(e, e.t)
+    if found == ANEW and left > room:
+        # an implicit step that ends on it would have its end, a stage, on either side
+        e.step.h = min(e.step.h, max(0.5 * left, left - CLEAR * room) if by_radau(e) else left)
     return found
 
 

@@ -15,14 +15,19 @@ from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
 from hybond.engine.guards.locator import NO_KINK, Locator
+from hybond.engine.guards.naps import is_asleep
 from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import is_root, room_of_instant
-from hybond.engine.methods.stepping import between, by_radau, reach, retry
+from hybond.engine.methods.stepping import between, by_radau, go_straight, reach, retry
 from hybond.engine.run.kinks_passed import out_of_sight
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
 
+ROUNDED: Final = 16.0
+"""Instants in which a motion at a kink may pass what is rounding there, at the most."""
+BEYOND: Final = 1.0 / 16.0
+"""Part of the way through an instant by which it may be longer than up to where a guard holds."""
 HALVINGS: Final = 60
 """Of a step: then its halves are no numbers between."""
 
@@ -85,8 +90,13 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
         back_to_guard(e, g)
     elif made == OK and not apart and at > before:
         made = carry_to_guard(e, r, at, room)
-    elif made == OK and apart and at - e.step.t0 <= room and not by_radau(e):
+    elif made == OK and apart and at - e.step.t0 <= room:
         made = lead_to_guard(e, r, at, room)
+    elif made == OK and apart and by_radau(e):
+        if is_led_over(e, g):
+            made = stay_before_kink(e, r, at, room)
+        elif not noted_hold(e, g):
+            made = carry_from(e, r, at, at, room)
     return made
 
 
@@ -137,22 +147,58 @@ def is_near_kink(e: Engine, g: Locator, at: float, t: float) -> bool:
 
 
 def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
-    """Carry the end of the step over to where all that is in `done` holds, within the instant."""
-    g = r.locator
+    """Carry the end of the step over to where all that is in `done` holds, within the instant.
+
+    Not far beyond where it begins to: what comes to rest there would have turned round. What is
+    compared at a kink with fewer digits has passed it as well.
+    """
     begin = e.step.t1
     if field(e, e.mode, begin, e.step.y1, r.rate) != OK:
         return REFUSED
     for i in range(e.states):
         r.beside[i] = e.step.y1[i]
+    short = 0.0
     way = at - begin
-    while True:
-        for i in range(e.states):
-            e.step.y1[i] = r.beside[i] + way * r.rate[i]
-        reach(e, begin + way)
-        g.looked = math.nan
-        if noted_hold(e, g) or begin + 2.0 * way > at + room:
-            return OK
+    carry_by(e, r, begin, way)
+    while not is_there(e, r.locator) and begin + 2.0 * way <= at + room:
+        short = way
         way = max(2.0 * way, LAST_PLACES * spacing(at))
+        carry_by(e, r, begin, way)
+    if not is_there(e, r.locator):
+        return OK
+    while way - short > max(BEYOND * way, LAST_PLACES * spacing(at)):
+        middle = 0.5 * (short + way)
+        carry_by(e, r, begin, middle)
+        if is_there(e, r.locator):
+            way = middle
+        else:
+            short = middle
+    carry_by(e, r, begin, way)
+    return OK
+
+
+def is_there(e: Engine, g: Locator) -> bool:
+    """Whether all that is in `done` holds at the end of the step, and it has come to no kink."""
+    return noted_hold(e, g) and not stands_on_kink(e, g)
+
+
+def stands_on_kink(e: Engine, g: Locator) -> bool:
+    """Whether what is compared at a kink has become zero: what it is behind that is still open."""
+    stands = False
+    for k in range(g.guards):
+        if g.side[k] != NO_KINK and not is_asleep(g, k):
+            a = g.atom_first[k]
+            before = atom_at(e, g, a, e.step.t0)
+            stands = stands or (before != 0.0 and atom_at(e, g, a, e.step.t1) == 0.0)
+    return stands
+
+
+def carry_by(e: Engine, r: Run, begin: float, way: float) -> None:
+    """Let the step end so long after `begin` where `r.rate` leads in that time from `r.beside`."""
+    for i in range(e.states):
+        e.step.y1[i] = r.beside[i] + way * r.rate[i]
+    reach(e, begin + way)
+    r.locator.looked = math.nan
 
 
 def lead_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
@@ -164,20 +210,61 @@ def lead_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
     s = e.step
     if field(e, e.mode, s.t0, s.y0, r.rate) != OK:
         return REFUSED
-    s.t = s.t0  # rates are known where it begins, and are no others' where it ends
-    n = e.states
     way = at - s.t0
-    while s.t0 + way <= at + room:
-        s.t1 = s.t0 + way
-        for k in range(4 * n):
-            s.dense[k] = way * r.rate[k] if k < n else 0.0
-        for i in range(n):
-            s.y1[i] = s.y0[i] + s.dense[i]
+    while s.t0 + way <= at + ROUNDED * room:
+        go_straight(e, way, r.rate)
         g.looked = math.nan
         if noted_hold(e, g):
             return OK
         way = 2.0 * way
     return retry(e, at)
+
+
+def stay_before_kink(e: Engine, r: Run, at: float, room: float) -> int:
+    """Let an implicit step that has gone over a kink end before it, and lead it from there.
+
+    With stages on either side of a jump it has no solution but for the error that it may make, and
+    what it says of where the guard holds is off by as much.
+    """
+    g = r.locator
+    refusal = e.refusal
+    low = e.step.t0
+    high = at
+    made = OK
+    while high - low > room:
+        middle = 0.5 * (low + high)
+        made = retry(e, middle)
+        g.looked = math.nan
+        if made != OK or is_led_over(e, g):
+            high = middle
+        else:
+            low = middle
+    e.refusal = refusal
+    if low == e.step.t0:
+        return lead_to_guard(e, r, high, room)
+    if made != OK or e.step.t1 != low:
+        made = retry(e, low)
+    return made if made != OK else carry_from(e, r, low, high, room)
+
+
+def carry_from(e: Engine, r: Run, end: float, at: float, room: float) -> int:
+    """Carry an implicit step that ends at `end`, before a kink, to where all holds; else not."""
+    if e.step.t1 != end or carry_to_guard(e, r, at, ROUNDED * room) != OK:
+        return OK
+    return OK if noted_hold(e, r.locator) else retry(e, end)
+
+
+def is_led_over(e: Engine, g: Locator) -> bool:
+    """Whether the step ends behind a kink, by whatever: laws read numbers."""
+    over = False
+    for k in range(g.guards):
+        if g.side[k] == NO_KINK or is_asleep(g, k):
+            continue
+        a = g.atom_first[k]
+        if not is_root(e.model, g.atom[a] - e.model.kink_atom):
+            before = atom_at(e, g, a, e.step.t0)
+            over = over or before * atom_at(e, g, a, e.step.t1) < 0.0
+    return over
 
 
 def noted_hold(e: Engine, g: Locator) -> bool:

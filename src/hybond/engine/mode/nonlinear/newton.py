@@ -13,6 +13,7 @@ from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.answers import node_name
 from hybond.engine.engine import NOT_FINITE, OK, Engine, say_fault
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.nonlinear.at_jumps import at_jumps
 from hybond.engine.mode.nonlinear.beside_jumps import from_beside_jumps
 from hybond.engine.mode.nonlinear.continuation import continued
 from hybond.engine.mode.nonlinear.damped import SETTLED, damped
@@ -98,8 +99,8 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
     Laws that do not know of each other one by one; else with full steps, beside jumps of laws, then
     with shorter steps, then on the way from laws with a resistance beside them; if laws have no
     values at zero, from what is known beside them; then from where full steps have ended. Only if
-    none of these leads to one, what is left may be rounding. What is found is put back into the
-    laws.
+    none of these leads to one, what is left may be rounding; at last a law may be at its jump. What
+    is found is put back into the laws.
     """
     work = e.work
     frees = mode.finite_frees
@@ -144,6 +145,7 @@ def newton(e: Engine, mode: Mode, v: Floats) -> int:
         found = mode.guessed and shorter_steps(e, mode, v, r, mode.guess.at)
         found = found or from_nothing_known(e, mode, v, r)
         work.takes_rounding = False
+    found = found or at_jumps(e, mode, v, r)
     if found:
         with_free(mode, 2 * e.model.bonds, work.base, r, work.w)
         return OK

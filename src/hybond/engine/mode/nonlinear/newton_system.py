@@ -112,6 +112,8 @@ def rows_of_system(e: Engine, mode: Mode, v: Floats, w: Floats) -> int:
         work.f[i] = dynamic_value(e, mode, i, v)
     slopes_at(e, mode, v, work.slopes)
     bound_slopes(e, mode, v)
+    if work.held_jump > 0:
+        hold_jump(e, mode, work.held_jump - 1, w)
     if work.flat_sides:
         take_flat_sides(e, mode, v, w)
     if work.aid > 0.0:
@@ -235,6 +237,18 @@ def by_free(mode: Mode, n: int, a: Floats, first: int, row: Floats) -> None:
                 share = mode.finite_free.at[k * frees + j]
                 if share != 0.0:
                     row[j] += slope * share
+
+
+def hold_jump(e: Engine, mode: Mode, i: int, w: Floats) -> None:
+    """Let row i say that what its law jumps with is zero, in place of its law."""
+    m = e.model
+    d = mode.dynamic[i]
+    first = i * 2 * m.bonds
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        e.work.slopes.at[first + m.slope_column[p]] = 0.0
+    k = m.dynamic_partner[d]
+    e.work.f[i] = -m.dynamic_way[d] * w[k]
+    e.work.slopes.at[first + k] = -m.dynamic_way[d]
 
 
 def add_aid(e: Engine, mode: Mode, w: Floats) -> None:
