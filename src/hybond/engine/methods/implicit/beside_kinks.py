@@ -22,10 +22,18 @@ from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.explicit.one_instant import room_of_instant, show_motion
 from hybond.engine.methods.implicit.radau_room import Radau
-from hybond.engine.methods.implicit.radau_stages import rate_at
+from hybond.engine.methods.implicit.radau_stages import (
+    ENOUGH,
+    correct_stages,
+    mean_size,
+    rate_at,
+    stage_rates,
+)
 
 NEARER: Final = 12
 """How often a difference is tried that stays on its side, to and fro by turns, ..."""
+LESS: Final = 0.5
+"""Part of a correction of the stages that the next one is at the most, if they converge."""
 NEAR: Final = 1.0 / 16.0
 """... and by how much it is shorter after two."""
 
@@ -130,6 +138,22 @@ def stay_on_side(e: Engine, r: Radau, j: int) -> int:
         way *= -NEAR if k % 2 == 0 else -1.0
     r.shifted[j] = far
     return rate_at(e, r.n, r.t0, r.shifted, r.end)
+
+
+def go_on_converging(e: Engine, r: Radau, rtol: float) -> bool:
+    """Whether one more correction of stages that were found is much less than the last.
+
+    What jumps is no slope, however steep the difference is that was taken over it: each correction
+    by that is next to nothing, and the next is as large.
+    """
+    before = r.size
+    if stage_rates(e, r) != OK:
+        return False
+    correct_stages(r)
+    r.size = mean_size(r.n, 3, r.last, r.tolerance)
+    if r.size == math.inf:
+        r.size = mean_size(r.n, 3, r.last, r.other)
+    return r.size <= max(LESS * before, max(ENOUGH, 10.0 * EPSILON / rtol))
 
 
 def leads_beyond(e: Engine, r: Radau) -> bool:

@@ -21,7 +21,7 @@ from hybond.engine.methods.implicit.beside_edges import (
     own_stages,
     stages_through_rest,
 )
-from hybond.engine.methods.implicit.beside_kinks import leads_beyond
+from hybond.engine.methods.implicit.beside_kinks import go_on_converging, leads_beyond
 from hybond.engine.methods.implicit.from_edges import keep_within, widen
 from hybond.engine.methods.implicit.hidden_peaks import hidden_in_stages
 from hybond.engine.methods.implicit.nearer_slopes import takes_nearer_slopes
@@ -233,7 +233,7 @@ def goes_through(e: Engine, r: Radau, rtol: float) -> bool:
     differences(e, r, rtol, True)
     found = factorise(r) != SINGULAR and iterate_beside_edge(e, r, rtol) == STAGES_CONVERGED
     r.matrix = NO_MATRIX
-    return found and leads_beyond(e, r)
+    return found and go_on_converging(e, r, rtol) and leads_beyond(e, r)
 
 
 def over_kink(e: Engine, r: Radau) -> bool:
