@@ -103,9 +103,10 @@ def sample(items: list[pytest.Item]) -> None:
     """Of a test with many cases keep some; the rest are slow.
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
-    ``parametrize`` make, it keeps a quarter, and of a small one a half, in which the values of each
+    ``parametrize`` make, it keeps a sixth, and of a small one a half, in which the values of each
     come about as often as each other. Of any grid it keeps at least as many as its longest axis has
-    values. Of a long list it keeps every other one.
+    values, but for one of which one case is asked for. Of a long list it keeps every other one, of
+    one as long as a large grid every third.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -119,12 +120,13 @@ def sample(items: list[pytest.Item]) -> None:
             (many,) = mark.args
             kept = {k * len(found) // many for k in range(many)}
             if is_grid(lengths_of(found), found) and many < len(found):
-                kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
+                kept = balanced(lengths_of(found), max(many, *lengths_of(found)) if many > 1 else 1)
         elif is_grid(lengths_of(found), found) and len(found) >= SMALL_GRID:
-            many = -(-len(found) // (4 if len(found) >= LARGE_GRID else 2))
+            many = -(-len(found) // (6 if len(found) >= LARGE_GRID else 2))
             kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
         else:
-            kept = {*range(0, len(found), 2 if len(found) >= LONG_LIST else 1)}
+            every = 3 if len(found) >= LARGE_GRID else 2 if len(found) >= LONG_LIST else 1
+            kept = {*range(0, len(found), every)}
         for k, item in enumerate(found):
             if k not in kept:
                 item.add_marker(pytest.mark.slow)

@@ -57,6 +57,7 @@ def test_spring_on_an_arm_is_as_long_as_the_angle_says(
         assert found == pytest.approx(np.sort_complex(np.roots([0.05, 0.3, stiff])), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_two_springs_on_a_crank_with_a_piston() -> None:
     m = hb.Model("crank", domain="rotational", parameters={"r": 0.2})
     m.add(w=hb.One(), J=hb.I(0.05), b=hb.R(0.03), T=hb.Se(0.4))
@@ -179,6 +180,7 @@ def test_an_arm_whose_inertia_is_joined_to_another_one() -> None:
     assert lin.operating["th"] == pytest.approx(rest, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_two_arms_on_one_spring() -> None:
     m = hb.Model("two", domain="rotational", parameters={"r": 0.3})
     m.add(w1=hb.One(), J1=hb.I(0.1), b1=hb.R(0.2), T1=hb.Se(0.7), k1=hb.C(1 / 3))

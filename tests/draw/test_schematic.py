@@ -56,7 +56,7 @@ def wires_of(name: str) -> tuple[Any, dict[str, tuple[tuple[float, float], ...]]
 
 
 @of_parts
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_wires_are_level_or_upright_and_there_is_one_for_each_bond(name: str) -> None:
     model = hb.load(EXAMPLES / f"{name}.toml")
     drawing, wires = wires_of(name)

@@ -56,7 +56,7 @@ def landing() -> tuple[float, float]:
     return float(run.t[-1]), -float(run.y[1, -1])
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("mass", "until", "solver", "turned"),
     [

@@ -58,7 +58,7 @@ def by_scipy(power: float, b: float) -> NDArray[np.float64]:
     return np.asarray(run.y[0])
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("law", OUTLETS)
 @pytest.mark.parametrize(("power", "g", "turned"), [(1.5, 9810.0, True), (2, 1.0, False)])

@@ -33,6 +33,7 @@ def test_a_flow_that_a_flat_law_lets_through_is_not_free(order: int, way: str) -
     assert abs(float(run["q.f"].at(0.5))) < 1e-9
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("bonds", ["as drawn", "turned"])
 def test_a_step_by_a_pivot_that_is_rounding_leads_nowhere(bonds: str) -> None:
     """Behind a law that has ended and a valve that is shut, all numbers were lost beside 1e16."""

@@ -19,7 +19,7 @@ def rectifier(law: dict[str, str], theta: float) -> hb.Result:
     return hb.simulate(m, until=1.0, solver="moreau-jean", step="2 ms", theta=theta)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("law", [{"e": "1*f + 0.5*f^3"}, {"f": "0.3*e + 0.01*e^3"}])
 def test_a_diode_that_conducts_has_no_voltage(law: dict[str, str], theta: float) -> None:

@@ -66,7 +66,7 @@ def apart_at(t: float) -> float:
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("valve", list(VALVES))
 @pytest.mark.parametrize(("turned", "first"), [(False, False), (True, True)])
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_orifice_between_volumes_does_not_creep_beside_a_shut_valve(
     solver: str, valve: str, turned: bool, first: bool
 ) -> None:

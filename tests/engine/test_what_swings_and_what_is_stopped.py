@@ -21,6 +21,7 @@ def falls_on_a_cushion(*, turned: bool, mass: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize(("turned", "mass"), [(False, 50.0), (True, 50.0), (False, 80.0)])
 def test_a_body_that_is_braked_hard_within_a_step_is_not_said_to_swing(

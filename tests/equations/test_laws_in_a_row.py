@@ -36,6 +36,7 @@ def test_their_equations_keep_the_effort_between_them() -> None:
     assert not eq.lost
 
 
+@pytest.mark.slow
 @needs_c
 def test_they_are_run_and_exported(tmp_path: Path) -> None:
     m = orifices()

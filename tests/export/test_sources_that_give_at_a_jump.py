@@ -1,5 +1,6 @@
 """Exported programs whose sources give energy in an instant: that is no energy from nowhere."""
 
+import pytest
 from export.programs import ask, check, compile_quickly, expected, needs_c, read_events
 
 import hybond as hb
@@ -37,6 +38,7 @@ def struck() -> hb.Model:
     return m
 
 
+@pytest.mark.slow
 @needs_c
 def test_a_program_counts_what_sources_give_at_a_jump(tmp_path):
     for model, stored in (

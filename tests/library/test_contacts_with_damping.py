@@ -32,7 +32,7 @@ def hunt_crossley(a: float, v: float) -> float:
 LAWS = [("elastic", 0.0), ("elastic", 20.0), ("hunt", 0.2), ("hunt", 2.0)]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("law", "d"), LAWS)
 @pytest.mark.parametrize("stop", [False, True])
 def test_a_mass_comes_back_with_what_the_damping_leaves(law: str, d: float, stop: bool) -> None:

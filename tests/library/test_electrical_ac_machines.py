@@ -122,7 +122,7 @@ def circuit(slip: float, volts: float, w: float) -> tuple[complex, float]:
     return stator, 1.5 * IM["p"] / w * abs(rotor) ** 2 * IM["R_r"] / slip
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("slip", [0.03, 0.6, 0.0, -0.04])
 def test_an_induction_machine_has_the_current_and_torque_of_its_equivalent_circuit(
     slip: float,

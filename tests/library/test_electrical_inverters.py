@@ -141,7 +141,7 @@ PHASES = ("q.a - na", "q.b - nb", "q.c - nc")
 LONGEST = 100 / math.sqrt(3)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("length", [20.0, LONGEST * (1 - 1e-9)])
 @pytest.mark.parametrize("frame", ["fixed", "turning"])
 def test_each_period_of_a_space_vector_modulation_has_the_vector_as_its_mean(

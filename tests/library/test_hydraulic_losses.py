@@ -151,7 +151,7 @@ def test_a_relief_valve_overrides_until_it_is_wide_open() -> None:
         assert run["valve.opening"].at(0.1) == pytest.approx(1e-5, rel=1e-5)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("command", [0.6, -0.6, 0.08, 5.0])
 def test_a_proportional_valve_swings_and_has_a_dead_band(command: float) -> None:
     """``"hydraulic.proportional_valve"``: the step of a second-order lag, then the opening."""

@@ -50,7 +50,7 @@ def test_machines_steps_and_impacts(seed: int) -> None:
     assert not compared(seed)[0]
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", [*LAWS, *many(MANY_LAWS)])
 def test_diodes_and_friction(seed: int) -> None:
     assert not compared(seed, laws=True)[0]

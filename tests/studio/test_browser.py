@@ -266,6 +266,7 @@ def test_what_is_laid_out_anew_is_shown_as_a_whole(
         assert edge["x"] < box["x"] < edge["x"] + edge["width"] - box["width"]
 
 
+@pytest.mark.slow
 def test_by_touch_on_a_telephone(serve: Callable[[str], str], tmp_path: Path) -> None:
     driver = browser(390, 800, touch=True)
     try:
@@ -536,6 +537,7 @@ def test_axe_finds_nothing_serious_in_light_and_dark(
     assert not any(found.values()), found
 
 
+@pytest.mark.slow
 def test_the_geometry_of_the_page_is_that_of_printed_drawings(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:

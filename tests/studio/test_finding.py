@@ -103,6 +103,7 @@ def test_all_signals_of_the_experiment_are_plotted_and_stay_chosen(page: Any) ->
     assert not at.complaints()
 
 
+@pytest.mark.slow
 def test_nothing_is_drawn_over_the_values_at_the_cursor(page: Any) -> None:
     """Nodes stood over the numbers of bonds; the value of a plot covered its curve."""
     from selenium.webdriver.common.keys import Keys

@@ -118,6 +118,7 @@ def test_what_is_no_question_is_answered_by_a_refusal(client: TestClient, text: 
         assert json.loads(socket.receive_text())["id"] == 2
 
 
+@pytest.mark.slow
 def test_a_message_of_100_megabytes_is_not_read(tmp_path: Path) -> None:
     """Asked of the server as it runs: it lets that page go, and goes on."""
     connect = pytest.importorskip("websockets.sync.client").connect

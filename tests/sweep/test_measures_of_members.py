@@ -62,6 +62,7 @@ def test_a_ball_that_is_dropped(ordinary: list[int]) -> None:
     assert table["integral(v.f)"] == pytest.approx(height - drop, rel=1e-9)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("model", "plan", "until", "measures"),
     [

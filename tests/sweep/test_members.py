@@ -142,6 +142,7 @@ def test_outputs_read_parameters() -> None:
             assert many.samples[name][k].tolist() == found.tolist()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["radau", "exact", "rk4", "qss2"])
 def test_every_kind_of_solver(solver: str) -> None:
     model = hb.load(EXAMPLES / "buck.toml")

@@ -46,6 +46,7 @@ def test_a_jump_that_steps_only_feel_is_refused_and_not_crept_along(seed: int) -
     assert caught.value.code == "HB-N410"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", [133960, 411579])
 def test_steps_of_no_time_end_at_what_has_no_solution(seed: int) -> None:
     """``e = sign(f)`` at a force below its own: no flow gives it, and time stood at 1e-321 s."""

@@ -125,6 +125,7 @@ def follows(given, p: LawProblem) -> bool:
     return bool(good)
 
 
+@pytest.mark.sampled(1)
 @listed("seed", range(240))
 @pytest.mark.parametrize(
     ("kinds", "sloped"),

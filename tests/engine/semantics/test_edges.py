@@ -56,7 +56,7 @@ def test_tanks_in_a_row_run_empty_together(solver: str) -> None:
     assert [run.final[k] for k in ("a.q", "b.q")] == pytest.approx([0.0, 0.0], abs=1e-18)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize(
     ("upper", "lower", "filled", "between", "outlet"),

@@ -41,7 +41,7 @@ STAIRS = [(0.0, 0.0), (0.13, 0.3), (0.26, 0.6), (0.39, 0.9), (0.52, 0.2)]
 @pytest.mark.parametrize(
     "levels", [[(0.0, 0.0), (0.4137, 1.0)], STAIRS, [(0.0, 0.0), (0.7, -1e-3)]]
 )
-@pytest.mark.parametrize("solver", ["auto", "rk45"])
+@pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_level_that_jumps_within_a_step_is_left_where_it_jumps(
     levels: list[tuple[float, float]], solver: str, turned: bool
@@ -61,8 +61,12 @@ def test_a_level_that_jumps_within_a_step_is_left_where_it_jumps(
 
 
 def test_steps_that_find_no_way_over_it_say_what_is_missing() -> None:
+    m = hb.Model("pulled")
+    m.add(j=hb.One(), i=hb.I(1.0), s=hb.Se("u"))
+    m.bond("s -> j -> i")
+    m.input(u=hb.Input(function=lambda t: 0.0 if t == 0.5 else 1.0 / abs(t - 0.5)))
     with pytest.raises(hb.NumericsError, match="HB-N201") as told:
-        hb.simulate(relay(lambda t: 0.3 * math.floor(t / 0.13)), 1.0, solver="radau")
+        hb.simulate(m, 1.0)
     assert "give `breaks` to u" in str(told.value)
 
 

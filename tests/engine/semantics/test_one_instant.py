@@ -79,6 +79,7 @@ class Legs:
         return i
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("legs", ["a", "ab"])
 def test_complementary_gates_switch_together(legs: str, solver: str) -> None:

@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[3] / "benchmarks"))
 from order_of_steps import PROBLEMS, G, errors, stepped
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_the_order_of_a_step_is_that_of_closed_forms(name: str, theta: float) -> None:
