@@ -174,8 +174,8 @@ class Locator:
     candidate: Instants
     mark: Instants
     timed: Ints
-    """Of each kink: whether time alone decides of it. In what is compared there is no rounding of
-    the motion."""
+    """Of each kink: whether time alone decides it: what it compares has no rounding of the motion.
+    """
     asleep: int
     """Steps for which other kinks end none: there were too many of them at one place."""
     sleep: Ints

@@ -2,7 +2,8 @@
 
 A kink that a motion passes over and over, or that ends step after step, is left out for so many
 steps, twice as many each time. Steps over it are as long as their error allows. What time alone
-decides is where it is, whatever the motion does there: it crowds with no other.
+decides is where it is, whatever the motion does there: it crowds with no other, and is left out
+only for what it does itself.
 """
 
 from __future__ import annotations

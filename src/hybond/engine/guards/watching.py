@@ -133,7 +133,7 @@ def watch_kink(e: Engine, g: Locator, k: int, part: int) -> None:
 
 
 def by_time_alone(m: Model, pair: int) -> bool:
-    """Whether time alone decides what is compared."""
+    """Whether time alone decides what is compared, or nothing does."""
     for p in range(m.read_first[pair], m.read_first[pair + 1]):
         if m.read_slot[p] != TIME_SLOT:
             return False

@@ -20,14 +20,15 @@ from hybond.engine.guards.together import LAST_PLACES
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import is_root, room_of_instant
 from hybond.engine.methods.stepping import between, by_radau, go_straight, reach, retry
-from hybond.engine.run.kinks_passed import out_of_sight
+from hybond.engine.run.kinks_passed import end_out_of_sight
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import field
 
-ROUNDED: Final = 16.0
-"""Instants in which a motion at a kink may pass what is rounding there, at the most."""
+INSTANTS: Final = 16.0
+"""Instants in which a motion at a kink may pass what is rounding there, at the most: where what is
+compared has lost a digit or so it takes as many times longer than one to become another number."""
 BEYOND: Final = 1.0 / 16.0
-"""Part of the way through an instant by which it may be longer than up to where a guard holds."""
+"""How exactly the end is found at which a guard begins to hold: to this part of the way there."""
 HALVINGS: Final = 60
 """Of a step: then its halves are no numbers between."""
 
@@ -82,9 +83,9 @@ def end_short_of_kink(e: Engine, r: Run, at: float) -> int:
         g.done[k] = 1 if holds_at(e, g, k, at) else 0
     made = retry(e, at if apart else before)
     if made == OK and e.step.off > 1.0 and (not apart or before - e.step.t0 > room):
-        before = out_of_sight(e, before, at)
+        made = end_out_of_sight(e, before, at)
+        before = e.step.t1
         apart = at - before > room
-        made = retry(e, before)
     g.looked = math.nan
     if made == OK and not by_radau(e) and noted_hold(e, g):
         back_to_guard(e, g)
@@ -156,7 +157,7 @@ def carry_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
     if field(e, e.mode, begin, e.step.y1, r.rate) != OK:
         return REFUSED
     for i in range(e.states):
-        r.beside[i] = e.step.y1[i]
+        r.after[i] = e.step.y1[i]
     short = 0.0
     way = at - begin
     carry_by(e, r, begin, way)
@@ -194,15 +195,15 @@ def stands_on_kink(e: Engine, g: Locator) -> bool:
 
 
 def carry_by(e: Engine, r: Run, begin: float, way: float) -> None:
-    """Let the step end so long after `begin` where `r.rate` leads in that time from `r.beside`."""
+    """Let the step end so long after `begin` where `r.rate` leads in that time from `r.after`."""
     for i in range(e.states):
-        e.step.y1[i] = r.beside[i] + way * r.rate[i]
+        e.step.y1[i] = r.after[i] + way * r.rate[i]
     reach(e, begin + way)
     r.locator.looked = math.nan
 
 
 def lead_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
-    """Lead a step that is within the instant, and begins before the kink, to where all holds.
+    """Lead a step within the instant that begins before the kink to where all holds, or soon after.
 
     It goes by the rates where it begins: of those behind the kink nothing may show.
     """
@@ -211,7 +212,7 @@ def lead_to_guard(e: Engine, r: Run, at: float, room: float) -> int:
     if field(e, e.mode, s.t0, s.y0, r.rate) != OK:
         return REFUSED
     way = at - s.t0
-    while s.t0 + way <= at + ROUNDED * room:
+    while s.t0 + way <= at + INSTANTS * room:
         go_straight(e, way, r.rate)
         g.looked = math.nan
         if noted_hold(e, g):
@@ -248,8 +249,13 @@ def stay_before_kink(e: Engine, r: Run, at: float, room: float) -> int:
 
 
 def carry_from(e: Engine, r: Run, end: float, at: float, room: float) -> int:
-    """Carry an implicit step that ends at `end`, before a kink, to where all holds; else not."""
-    if e.step.t1 != end or carry_to_guard(e, r, at, ROUNDED * room) != OK:
+    """Carry an implicit step that ends at `end`, before a kink, to where all holds; else not.
+
+    Where it ends elsewhere it stays as it is.
+    """
+    refusal = e.refusal
+    if e.step.t1 != end or carry_to_guard(e, r, at, INSTANTS * room) != OK:
+        e.refusal = refusal
         return OK
     return OK if noted_hold(e, r.locator) else retry(e, end)
 

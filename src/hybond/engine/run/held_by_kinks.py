@@ -82,7 +82,6 @@ def holds_motion(e: Engine, r: Run, k: int) -> bool:
     if wide > least and not jumps_within(e, r, k, at, least):
         return False
     r.kink = g.atom[g.atom_first[k]] - e.model.kink_atom
-    r.kink_part = g.part[k]
     return True
 
 

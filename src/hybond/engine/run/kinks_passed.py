@@ -25,7 +25,6 @@ from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.held_by_kinks import (
     JUMPS,
     SEEN,
-    compared,
     compared_by,
     dust_of_rate,
     is_held,
@@ -70,8 +69,9 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     """
     g = r.locator
     passed = kink_there(e, g)
-    r.kink = kink_of(e, g, passed) if passed != NONE else r.kink
-    r.kink_part = g.part[passed] if passed != NONE else ALL_PARTS
+    if passed != NONE:
+        r.kink = kink_of(e, g, passed)
+    r.kink_guard = passed
     before = before_kink(e, g, at)
     behind = at + LAST_PLACES * spacing(at)
     room = room_of_instant(e, at)
@@ -84,10 +84,10 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
         e.refusal = refusal
         return OK
     if made == OK and e.step.off > 1.0 and (not apart or before - e.step.t0 > room):
-        before = out_of_sight(e, before, behind)
+        made = end_out_of_sight(e, before, behind)
+        before = e.step.t1
         apart = behind - before > room
         r.told = r.told and not apart  # it is not there yet
-        made = retry(e, before)
     if made != OK:
         return stuck_at_kink(e, r)
     if not apart:
@@ -95,8 +95,8 @@ def end_at_kink(e: Engine, r: Run, at: float) -> int:
     return OK
 
 
-def out_of_sight(e: Engine, before: float, behind: float) -> float:
-    """Return where the step ends that no stage of which has seen the jump, else `before`.
+def end_out_of_sight(e: Engine, before: float, behind: float) -> int:
+    """Let the step end where no stage of it has seen the jump, or at `before` where each has.
 
     One at the end of the step may be a last place beyond what is compared at that time. What a long
     step says of where the kink is may be off by more than an instant: then the step ends farther
@@ -105,13 +105,13 @@ def out_of_sight(e: Engine, before: float, behind: float) -> float:
     refusal = e.refusal
     # where nothing that is compared shows the jump, what is behind may be where the step ends
     way = max(behind - before, LAST_PLACES * spacing(behind))
-    made = retry(e, behind - way) if behind - way > e.step.t0 else OK
+    made = retry(e, before) if e.step.t1 > before else OK
     while made == OK and e.step.off > 1.0 and behind - 2.0 * way > e.step.t0:
         way = 2.0 * way
         made = retry(e, behind - way)
-    seen = made != OK or e.step.off > 1.0
+    unseen = made == OK and e.step.off <= 1.0
     e.refusal = refusal
-    return before if seen else behind - way
+    return OK if unseen else retry(e, before)
 
 
 def is_in_vain(e: Engine, r: Run) -> bool:
@@ -122,15 +122,14 @@ def is_in_vain(e: Engine, r: Run) -> bool:
     Implicit steps may be solved by either side of the jump, and where they begin at the limit by
     the wrong one.
     """
-    if not (r.jumps and r.leads_back) or r.kink < 0 or by_radau(e):
+    if not (r.jumps and r.leads_back) or r.kink_guard == NONE or by_radau(e):
         return False
     g = r.locator
-    atom = e.model.atom_value[e.model.kink_atom + r.kink]
     refusal = e.refusal
     copy_floats(e.states, e.step.y0, g.y)
-    before = compared(e, g, atom, r.kink_part, e.step.t0)
+    before = compared_by(e, g, r.kink_guard, e.step.t0)
     copy_floats(e.states, e.step.y1, g.y)
-    after = compared(e, g, atom, r.kink_part, e.step.t1)
+    after = compared_by(e, g, r.kink_guard, e.step.t1)
     e.refusal = refusal
     return before * after > 0.0 and math.fabs(after) > NO_NEARER * math.fabs(before)
 

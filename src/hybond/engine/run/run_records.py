@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
-from hybond.engine.guards.locator import ALL_PARTS, Locator, another_locator, make_locator
+from hybond.engine.guards.locator import NONE, Locator, another_locator, make_locator
 from hybond.engine.inputs.interval import is_due, is_timed
 from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
 from hybond.engine.instant.settling import Settling, make_settling
@@ -75,8 +75,8 @@ class Run:
     """Steps that a kink has ended, and when the last ones were, in a ring."""
     kink_at: Floats
     kink: int
-    """The last of them, and in which of the modes combined."""
-    kink_part: int
+    """The last of them; as which guard it has ended the last step that one has, or NONE."""
+    kink_guard: int
     jumps: bool
     """Whether rates jumped at the last one where that could be told."""
     told: bool
@@ -105,6 +105,7 @@ class Run:
     beside: Floats
     """Rates on both sides of a kink."""
     after: Floats
+    """A state on the way, or tolerances: of whoever asks."""
     crossing: float
     """How long straight on it is to a kink that holds the motion, s."""
     jumping: int
@@ -184,7 +185,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.beside = floats(4 * e.states)
     r.after = floats(e.states)
     r.kink = -1
-    r.kink_part = ALL_PARTS
+    r.kink_guard = NONE
     r.jumping = -1
     r.nap = 1
     r.hold_waits = 1

@@ -43,10 +43,11 @@ def is_one_kink(e: Engine, t0: float, y0: Floats, t1: float, y1: Floats) -> bool
     """
     if e.model.kinks == 0 or t1 - t0 > room_of_instant(e, t0):
         return False
+    passed = False
     for part in range(e.slide.parts if e.slide.k > 0 else 1):
-        if passes_one(e, part, t0, y0, t1, y1):
-            return True
-    return False
+        passed = passed or passes_one(e, part, t0, y0, t1, y1)
+    show_in_mode(e, ALL_TOGETHER)
+    return passed
 
 
 def passes_one(e: Engine, part: int, t0: float, y0: Floats, t1: float, y1: Floats) -> bool:

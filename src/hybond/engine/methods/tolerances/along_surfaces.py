@@ -25,7 +25,10 @@ def begin_scale(e: Engine, mode: Mode) -> None:
 
 
 def start_along_surfaces(e: Engine, mode: Mode) -> None:
-    """Learn what the mean rates of stored quantities cancel from, where sliding starts."""
+    """Learn what the mean rates of stored quantities cancel from, where sliding starts.
+
+    Beside what they cancel from in a mode: that is known from the one that was left.
+    """
     s = e.slide
     refusal = e.refusal
     asked = e.evaluations
