@@ -177,6 +177,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         rim                 up to where what a guard compares is rounding
         solved_guards, step_polynomials, quartic    by polynomials
         unresolved          what laws carry, beside its rounding
+        kinks_on_surfaces   those that slide along with the motion pass nothing
         far_guards, kinks_afar      those that do not come to hold, which is seen at once
         at_rest, rest_limits, rest_records    those that would hold where the motion comes to rest
         kept_rests, sides_seen    what is known of these from step to step, and of their sides

@@ -114,3 +114,30 @@ def test_law_that_bends_in_one_of_the_modes(law, solver):
     assert r.status == "ok"
     assert slides_all_along(r)
     assert r["drawn"].at(1.0) == pytest.approx(np.trapezoid(mean, t), rel=1e-6)
+
+
+ON_THE_SURFACE = "(1 + 0.5*sin(3*time))"
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    "law",
+    [
+        f"-0.5*sign(w.f - {ON_THE_SURFACE})",
+        f"if w.f > {ON_THE_SURFACE} then -0.5 else 0.5",
+        f"abs(w.f - {ON_THE_SURFACE})",
+        f"-3*max(0, w.f - {ON_THE_SURFACE})",
+    ],
+)
+def test_law_that_bends_where_the_relay_holds_it(law, solver):
+    """What it compares has the sign of rounding: it passes nothing, and ends no step."""
+    m = relay(ref=ON_THE_SURFACE)
+    m.add(s=hb.Se(law))
+    m.bond("s -> w")
+    plain = hb.simulate(relay(ref=ON_THE_SURFACE), 10.0, solver=solver)
+    r = hb.simulate(m, 10.0, solver=solver, max_steps=20_000)
+    assert r.status == "ok"
+    assert slides_all_along(r)
+    for t in (1.0, 4.3, 10.0):
+        assert r["w.f"].at(t) == pytest.approx(1 + 0.5 * math.sin(3 * t), abs=1e-12)
+    assert r.stats["steps"] < 2 * plain.stats["steps"]

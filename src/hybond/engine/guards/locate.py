@@ -29,6 +29,7 @@ from hybond.engine.guards.guard_values import (
     waits_still,
 )
 from hybond.engine.guards.kept_rests import forget_rests
+from hybond.engine.guards.kinks_on_surfaces import lies_on_surfaces
 from hybond.engine.guards.locator import (
     ALL_PARTS,
     BLOCKS,
@@ -145,6 +146,10 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             continue
         a = g.atom_first[k]
         here = atom_at(e, g, a, e.step.t0)
+        if e.slide.k > 0 and lies_on_surfaces(e, g, k):
+            g.side[k] = 0
+            g.sleep[k] = max(g.sleep[k], 1)
+            continue
         if math.isfinite(here) and math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] != 0:
                 continue  # not passed yet

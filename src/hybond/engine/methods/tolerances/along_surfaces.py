@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import OK, Engine
 from hybond.engine.methods.tolerances.scale import SHORT, start_scale
 from hybond.engine.mode.mode_records import Mode
@@ -39,7 +40,8 @@ def start_along_surfaces(e: Engine, mode: Mode) -> None:
         for part in range(s.parts):
             most = max(most, math.fabs(s.part_rate[part * e.states + k]))
         e.rate_noise[k] = max(e.rate_noise[k], ROUNDING * most)
-        e.rounding[k] = max(e.rounding[k], SHORT * e.span * ROUNDING * most)
+        # an average is rounding up to there, but what it adds up to is less: signs of it change
+        e.rounding[k] = max(e.rounding[k], SHORT * e.span * EPSILON * most)
     give_back_guess(e, mode)
     e.evaluations = asked
     e.refusal = refusal
