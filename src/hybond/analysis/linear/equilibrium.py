@@ -18,13 +18,14 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.analysis.linear.going_on import readings, said_of
 from hybond.analysis.linear.point import Point, entered, valued
 from hybond.engine.outcome.apart import Apart
 from hybond.equations.calculus import rate_name
 from hybond.equations.linear_rows import linear_rows
 from hybond.errors import HybondError, NumericsError
 from hybond.export.linear.proper import Proper, proper
-from hybond.model.expressions import compile_expression, names
+from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Mode
 
 Vector = NDArray[np.float64]
@@ -105,15 +106,12 @@ class _Kept:
         What they are measured in.
     rows : array
         Orthonormal: how it changes with them.
-    point : array
-        All states.
     """
 
     mode: Mode
     states: NDArray[np.intp]
     scale: Vector
     rows: NDArray[np.float64]
-    point: Vector
 
 
 class _Bent(Exception):
@@ -160,10 +158,9 @@ class _Search:
             self.sizes[kept] = np.maximum(self.sizes[kept], terms)
             if self._off(here) <= REST and (lost is not None or self._is_small(move, here)):
                 self._check(point)
-                self._check_guards(here)
                 return Point(
                     point.t, point.mode, point.state, point.values, point.landed, "equilibrium"
-                ), notes
+                ), self._going_on(here) + notes
             if lost is not None:
                 self._none(point, lost)
             point = self._ahead(here, move)
@@ -244,11 +241,7 @@ class _Search:
         move = np.zeros(len(kept))
         if self.bent:
             self.conserved = None
-        notes = [
-            f"{self.paths[kept[j]]} goes on at {here.rates[j]:.6g} a second; nothing reads it"
-            for j in np.flatnonzero(~still)
-            if here.rates[j]
-        ]
+        notes: list[str] = []
         A, f = here.found.A[np.ix_(still, still)], here.rates[still]
         if not len(A):
             return move, notes, None
@@ -303,7 +296,7 @@ class _Search:
             Where it is not what it was at the point before.
         """
         old = self.conserved
-        self.conserved = _Kept(here.point.mode, states, scale, rows, here.point.state)
+        self.conserved = _Kept(here.point.mode, states, scale, rows)
         if self.bent or old is None or old.mode != here.point.mode:
             return
         if rows.shape[0] == old.rows.shape[0] and np.array_equal(states, old.states):
@@ -439,20 +432,23 @@ class _Search:
             text = self.graph.mode_text(after.mode)
             self._none(point, f"there the mode is left at once for ({text})")
 
-    def _check_guards(self, here: _Here) -> None:
-        """Refuse a rest of the laws in which what a guard waits for goes on."""
-        for j in np.flatnonzero(~here.still):
-            k = here.found.kept[j]
-            if abs(here.rates[j]) <= REST * self.sizes[k]:
+    def _going_on(self, here: _Here) -> list[str]:
+        """Return notes of what goes on at a rest; refuse one at which a guard waits for it."""
+        notes = []
+        going = [(here.found.kept[j], float(here.rates[j])) for j in np.flatnonzero(~here.still)]
+        rates = {f"s:{k - self.stored}": r for k, r in going if abs(r) > REST * self.sizes[k]}
+        for k, rate in going:
+            if not rate:
                 continue
-            for machine, state in zip(self.graph.machines, here.point.mode, strict=True):
-                for rule in machine.rules:
-                    if rule.source == state and f"s:{k - self.stored}" in names(rule.guard):
-                        self._none(
-                            here.point,
-                            f"{self.paths[k]} goes on changing, {here.rates[j]:.6g} a second, and "
-                            f"{machine.path} reads it: {rule.text}",
-                        )
+            found = readings(self.graph, here.point, rates, f"s:{k - self.stored}")
+            if found and found[0].comes and f"s:{k - self.stored}" in rates:
+                self._none(
+                    here.point,
+                    f"{self.paths[k]} goes on changing, {rate:.6g} a second, and "
+                    f"{found[0].machine.path} reads it: {found[0].rule.said}",
+                )
+            notes.append(f"{self.paths[k]} goes on at {rate:.6g} a second; {said_of(found)}")
+        return notes
 
     def _none(self, point: Point, why: str, hint: str = OTHER) -> NoReturn:
         raise NumericsError(
