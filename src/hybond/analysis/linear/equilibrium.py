@@ -55,7 +55,7 @@ LONGER = 8.0
 a path is dear."""
 TURNS = 80
 """Points at which one path is looked at, at the most."""
-WHOLE = 500
+WHOLE = 700
 """Points at which all paths of a search are looked at together, at the most: seconds."""
 PATH = 1e-10
 """To which part of the step, and of the states, a path is followed on which all is conserved."""
