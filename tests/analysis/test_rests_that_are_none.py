@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import hybond as hb
+from hybond.analysis.linear import equilibrium
 from hybond.errors import NumericsError
 
 
@@ -271,3 +274,23 @@ def test_a_guard_that_the_angle_is_led_away_from_is_no_reason(
 def test_a_guard_that_the_angle_comes_to_is_a_reason(rule: str, torque: float) -> None:
     with pytest.raises(NumericsError, match=r"phi goes on changing, .* and S reads it"):
         hb.linearise(motor(rule, torque=torque), inputs=["T"], outputs=["w.f"], at="equilibrium")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("start", "torque"), [(1.45, -5.11), (2.78, 2.26)])
+def test_a_rest_behind_a_dead_centre_is_refused_in_seconds(
+    start: float, torque: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = 0
+    valued = equilibrium.valued
+
+    def counted(*given: Any) -> Any:
+        nonlocal points
+        points += 1
+        return valued(*given)
+
+    monkeypatch.setattr(equilibrium, "valued", counted)
+    with pytest.raises(NumericsError) as refused:
+        hb.linearise(arm(start, torque), inputs=["T"], outputs=["th"], at="equilibrium")
+    assert refused.value.code == "HB-A510"
+    assert 0 < points <= equilibrium.WHOLE
