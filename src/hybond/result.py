@@ -373,8 +373,8 @@ class Result(Measuring, Tabled):
         return events[-1].cause != "step"
 
     @property
-    def _switches_at_end(self) -> bool:
-        """Whether the last instant has a limit from the right of its own."""
+    def _jumps_at_end(self) -> bool:
+        """Whether at the last instant a machine changes its state, or an impulse acts."""
         if not self.segments or not self._settled_at_end:
             return False
         return any(step.fired or step.impulses for step in self.trace.events[-1].steps)

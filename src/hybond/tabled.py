@@ -50,7 +50,7 @@ class Tabled:
         side[(ends - many)[0 if run.trace.segments.forgotten else 1 :]] = "right"
         side[ends[:-1] - 1] = "left"
         read = run._of(names, np.repeat(np.arange(len(times)), many), t)
-        if run._switches_at_end:
+        if run._jumps_at_end:
             # what happens at the very end starts no segment
             t = np.append(t, run.t_end)
             side[-1] = "left"

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import hybond as hb
+from hybond.analysis.linear import equilibrium
 from hybond.errors import NumericsError
 
 
@@ -195,3 +198,99 @@ def test_two_arms_on_one_spring() -> None:
     force = 80 * 0.3 * (np.sin(a) - np.sin(0.4) + np.sin(b) - np.sin(-0.3))
     assert 0.7 - 0.3 * np.cos(a) * force - 3 * (a - 0.4) == pytest.approx(0.0, abs=1e-8)
     assert -0.5 - 0.3 * np.cos(b) * force - 4 * (b + 0.3) == pytest.approx(0.0, abs=1e-8)
+
+
+def between_stops(left: str, right: str, *, moved: float = 0.0) -> hb.Model:
+    """Return a rotor with a torque between two stops, neither of which acts at the start."""
+    m = hb.Model("stops", domain="rotational", parameters={"k": 100.0})
+    m.add(w=hb.One(), J=hb.I(1.0), b=hb.R(1.0), T=hb.Se(1.0))
+    m.add(s1=hb.Se(f"{'-' if left == 's1 -> w' else ''}k*max(0, phi - 1)"))
+    m.add(s2=hb.Se(f"{'-' if right == 'w -> s2' else ''}k*max(0, -phi - 1)"))
+    m.signal(phi=hb.Integral("w.f", start=moved))
+    m.bond("T -> w -> J", "w -> b", left, right)
+    return m
+
+
+@pytest.mark.parametrize("left", ["s1 -> w", "w -> s1"])
+@pytest.mark.parametrize("right", ["w -> s2", "s2 -> w"])
+def test_two_stops_that_do_not_act_yet_do_not_cancel(left: str, right: str) -> None:
+    m = between_stops(left, right)
+    with pytest.raises(NumericsError) as refused:
+        hb.linearise(m, inputs=["T"], outputs=["phi"], at="equilibrium")
+    assert refused.value.code == "HB-A510"
+    # the torque of 1 N m presses the stop by 1/k
+    near = between_stops(left, right, moved=1.2)
+    lin = hb.linearise(near, inputs=["T"], outputs=["phi"], at="equilibrium")
+    assert lin.operating["phi"] == pytest.approx(1.01, rel=1e-9)
+
+
+def motor(*rules: str, torque: float = 1.0) -> hb.Model:
+    m = hb.Model("motor", domain="rotational")
+    m.add(T=hb.Se(torque), w=hb.One(), J=hb.I(1.0), b=hb.R(1.0), z=hb.Zero(), brake=hb.R(5.0))
+    m.bond("T -> w -> J", "w -> b", "w -> z -> brake")
+    m.signal(phi=hb.Integral("w.f"))
+    m.machine("S", states={"on": [], "off": ["z"]}, start="on", rules=list(rules))
+    return m
+
+
+WAITS = "no law reads it, and S waits for what it does not lead to"
+
+
+@pytest.mark.parametrize(
+    ("rule", "torque", "said"),
+    [
+        ("on -> off when phi < -5", 1.0, WAITS),
+        ("on -> off when phi > 5", -1.0, WAITS),
+        ("on -> off when not (phi > -5)", 1.0, WAITS),
+        ("on -> off when phi > 100 and w.f < 0", 1.0, WAITS),
+        ("on -> off when w.f < 0 or -2*phi > 3", 1.0, WAITS),
+        ("off -> on when phi > 5", 1.0, "no law and no rule that leaves this mode reads it"),
+        ("off -> on when w.f > 5", 1.0, "nothing reads it"),
+    ],
+)
+def test_a_guard_that_the_angle_is_led_away_from_is_no_reason(
+    rule: str, torque: float, said: str
+) -> None:
+    m = motor(rule, torque=torque)
+    lin = hb.linearise(m, inputs=["T"], outputs=["w.f"], at="equilibrium")
+    assert lin.operating["w.f"] == pytest.approx(torque)
+    (note,) = lin.notes
+    assert note.startswith(f"phi goes on at {torque:g} a second; {said}")
+
+
+@pytest.mark.parametrize(
+    ("rule", "torque"),
+    [
+        ("on -> off when phi > 100", 1.0),
+        ("on -> off when phi < -5", -1.0),
+        ("on -> off when not (phi < 5)", 1.0),
+        ("on -> off when phi > 100 and w.f > 0", 1.0),
+        ("on -> off when w.f < 0 or -2*phi < -3", 1.0),
+        ("on -> off when sin(phi) < -0.5", 1.0),
+        ("on -> off when mod(phi + 1, 6) < 0.5", 1.0),
+        ("on -> off when phi > 3 and time > 100", 1.0),
+    ],
+)
+def test_a_guard_that_the_angle_comes_to_is_a_reason(rule: str, torque: float) -> None:
+    with pytest.raises(NumericsError, match=r"phi goes on changing, .* and S reads it"):
+        hb.linearise(motor(rule, torque=torque), inputs=["T"], outputs=["w.f"], at="equilibrium")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("start", "torque"), [(1.45, -5.11), (2.78, 2.26)])
+def test_a_rest_behind_a_dead_centre_is_refused_in_seconds(
+    start: float, torque: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = 0
+    valued = equilibrium.valued
+
+    def counted(*given: Any) -> Any:
+        nonlocal points
+        points += 1
+        return valued(*given)
+
+    monkeypatch.setattr(equilibrium, "valued", counted)
+    with pytest.raises(NumericsError) as refused:
+        hb.linearise(arm(start, torque), inputs=["T"], outputs=["th"], at="equilibrium")
+    assert refused.value.code == "HB-A510"
+    assert 0 < points <= equilibrium.WHOLE

@@ -122,3 +122,29 @@ def test_a_sweep_measures_what_runs_do(until: float) -> None:
         if until == 1.0:
             assert table["max(B.e, end=1)"][k] == pytest.approx(0.4 * start)
         assert table["max(A.e + 2*B.e)"][k] == pytest.approx(1.2 * start)
+
+
+def ramp(*, turned: bool = False, slope: float = 10.0, late: float = 1.0) -> hb.Model:
+    """A source that rises from zero and is taken away at a time."""
+    m = hb.Model("ramp", domain="electrical")
+    m.add(V=hb.Se(f"{slope}*time"), s=hb.One(), r=hb.R(2.0))
+    m.bond("s -> r", "V -> s") if turned else m.bond("V -> s -> r")
+    rules = [f"on -> off when time >= {late}"]
+    m.machine("S", states={"on": ["s"], "off": []}, start="on", rules=rules)
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(("slope", "late"), [(10.0, 1.0), (-3.0, 0.3), (1e4, 7e-4)])
+def test_the_side_of_an_extreme_at_the_end_of_a_run_is_told_as_within_it(
+    slope: float, late: float, turned: bool
+) -> None:
+    for until in (late, 2.0 * late):
+        run = hb.simulate(ramp(turned=turned, slope=slope, late=late), until)
+        current = run["r.f"]
+        far = current.max() if slope > 0.0 else current.min()
+        assert float(far) == pytest.approx(0.5 * slope * late, rel=1e-9)
+        assert (far.t, far.side) == (pytest.approx(late), "left")
+        assert run["V.e"].max(start=0.5 * late, end=0.75 * late).side == ""
+    smooth = hb.simulate(ramp(slope=slope, late=late), 0.5 * late)["r.f"]
+    assert (smooth.max().side, smooth.min().side) == ("", "")

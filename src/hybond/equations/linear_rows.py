@@ -106,8 +106,8 @@ def linear_rows(
     landed : bool
         Whether impacts are over: ``pre()`` in a law is then zero.
     reading : bool
-        Whether a slope by a state that is read counts as one where it is zero at the point: what
-        is zero then is zero everywhere.
+        Whether a slope by a state that is read, where it is zero at the point, counts as some
+        number, no two alike: so what laws read shows, even where it does not act at the point.
 
     Raises
     ------

@@ -28,8 +28,16 @@ NOISE = 1e-12
 ROUNDING = 1e-14
 """What is made of numbers is right to this part of their sizes; below it, an entry is zero.
 Rounding left as an entry would be scaled up until it mattered."""
-DUST = -53.0
-"""Binary places below one, in the best units, under which an entry decides no units: rounding."""
+ENDS = -53.0
+"""Binary places below one, in units made without it, under which an entry decides no units: it is
+rounding beside the others."""
+FAR = 0.5
+"""An entry is doubted that is, in units made with all, at least this part as many places below one
+as the worst: least squares spread what one entry asks for over others of its row and column, so
+the worst need not be the one that spoils the units. `ENDS` then decides, in units without them."""
+NEAR = ENDS / 8.0
+"""No entry is doubted where `FAR` of the worst is above this, the worst a quarter of `ENDS`: what
+is rounding keeps more of its places below one, even in units that are made with it."""
 ALL = slice(None)
 
 
@@ -215,7 +223,7 @@ def _without_dust(
     x = exponents(terms, unknowns)
     while True:
         logs = [log + sum(c * x[k] for k, c in which) for which, log in terms]
-        limit = 0.5 * min(logs, default=0.0)
+        limit = FAR * min(logs, default=0.0)
         seen = np.zeros(unknowns)
         for which, _ in terms:
             for k, _ in which:
@@ -223,7 +231,7 @@ def _without_dust(
         left, small = [], []
         for term, log in zip(terms, logs, strict=True):
             own = [k for k, _ in term[0]]
-            if log > limit or limit > DUST / 8.0 or min(seen[own]) <= 1:
+            if log > limit or limit > NEAR or min(seen[own]) <= 1:
                 left.append(term)
             else:
                 seen[own] -= 1
@@ -232,7 +240,7 @@ def _without_dust(
             return x
         # an entry is rounding if units that are made without it say so
         without = exponents(left, unknowns)
-        back = [t for t in small if t[1] + sum(c * without[k] for k, c in t[0]) >= DUST]
+        back = [t for t in small if t[1] + sum(c * without[k] for k, c in t[0]) >= ENDS]
         if len(back) == len(small):
             return x
         terms = left + back

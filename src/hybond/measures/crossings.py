@@ -95,15 +95,27 @@ def crossings_of(
         for t, r, j in zip(high.tolist(), rising.tolist(), jump.tolist(), strict=True)
         if t > window.start or window.first
     ]
+    return (*found, *_at_end(reader, window, level, float(above[-1]), edge))
+
+
+def _at_end(
+    reader: Reader, window: Window, level: float, above: float, edge: Edge
+) -> list[Crossing]:
+    """Return the crossing by a jump at the end of a window, if any: it belongs to the window.
+
+    Parameters
+    ----------
+    above : float
+        The limit from the left there, less the level.
+    """
     beyond = reader.beyond(window)
-    if beyond is not None:
-        # a jump at the end belongs to the window
-        last = float(above[-1])
-        if last < 0.0 <= beyond - level and edge != "fall":
-            found.append(Crossing(window.end, "rise", True))
-        elif last > 0.0 >= beyond - level and edge != "rise":
-            found.append(Crossing(window.end, "fall", True))
-    return tuple(found)
+    if beyond is None:
+        return []
+    if above < 0.0 <= beyond - level and edge != "fall":
+        return [Crossing(window.end, "rise", True)]
+    if above > 0.0 >= beyond - level and edge != "rise":
+        return [Crossing(window.end, "fall", True)]
+    return []
 
 
 @dataclass(frozen=True, slots=True)

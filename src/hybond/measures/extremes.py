@@ -61,10 +61,16 @@ def extreme_of(
     at_begin = t == begins and t > run.t_begin
     at_end = segment + 1 < len(run.segments) and ends == run.trace.segments.times[segment + 1]
     side = ""
+    beside: float | None = None
     if at_begin or at_end:
-        beside = reader(np.array([segment - 1 if at_begin else segment + 1]), np.array([t]))
-        if abs(float(beside[0]) - value) > tolerance * max(abs(value), abs(float(beside[0]))):
-            side = "right" if at_begin else "left"
+        beside = float(
+            reader(np.array([segment - 1 if at_begin else segment + 1]), np.array([t]))[0]
+        )
+    elif t == run.t_end:
+        # where the run ends, no segment begins
+        beside = reader.beyond(window)
+    if beside is not None and abs(beside - value) > tolerance * max(abs(value), abs(beside)):
+        side = "right" if at_begin else "left"
     about = About(run.unit(name), window.start, window.end, t=t, side=side, how=how)
     return Measurement(value, about)
 

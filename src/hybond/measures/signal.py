@@ -72,14 +72,14 @@ class Signal(Asked):
         pieces = self.run.pieces(self.name)
         if not pieces:
             return np.zeros(0), np.zeros(0)
-        if self.run._switches_at_end:
-            pieces.append((np.array([self.run.t_end]), np.array(self._after_all)))
+        if self.run._jumps_at_end:
+            pieces.append((np.array([self.run.t_end]), np.array([self._at_the_end])))
         return np.concatenate([t for t, _ in pieces]), np.concatenate([y for _, y in pieces])
 
     @property
-    def _after_all(self) -> list[float]:
+    def _at_the_end(self) -> float:
         """The value after all that happens where the run ends."""
-        return self.run._after_last_event([self.name])
+        return self.run._after_last_event([self.name])[0]
 
     def at(self, t: Time | Sequence[Time], *, side: Side = "right") -> Any:
         """Return the value at `t`, s or a quantity: a float for one, an array for a sequence.

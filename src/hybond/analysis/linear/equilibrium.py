@@ -18,13 +18,14 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from hybond.analysis.linear.going_on import readings, said_of
 from hybond.analysis.linear.point import Point, entered, valued
 from hybond.engine.outcome.apart import Apart
 from hybond.equations.calculus import rate_name
 from hybond.equations.linear_rows import linear_rows
 from hybond.errors import HybondError, NumericsError
 from hybond.export.linear.proper import Proper, proper
-from hybond.model.expressions import compile_expression, names
+from hybond.model.expressions import compile_expression
 from hybond.model.graph import FlatGraph, Mode
 
 Vector = NDArray[np.float64]
@@ -53,7 +54,9 @@ LONGER = 8.0
 """How much longer than the last step the next one is, at the most, where what is conserved turns:
 a path is dear."""
 TURNS = 80
-"""Points at which a path is looked at, at the most."""
+"""Points at which one path is looked at, at the most."""
+WHOLE = 700
+"""Points at which all paths of a search are looked at together, at the most: seconds."""
 PATH = 1e-10
 """To which part of the step, and of the states, a path is followed on which all is conserved."""
 NEARER = "give start values nearer to it, or linearise at the end of a long run"
@@ -105,15 +108,12 @@ class _Kept:
         What they are measured in.
     rows : array
         Orthonormal: how it changes with them.
-    point : array
-        All states.
     """
 
     mode: Mode
     states: NDArray[np.intp]
     scale: Vector
     rows: NDArray[np.float64]
-    point: Vector
 
 
 class _Bent(Exception):
@@ -139,6 +139,8 @@ class _Search:
         """What the motion conserves at the last point."""
         self.bent = False
         """Whether that turns, so that steps follow it."""
+        self.asked = 0
+        """Points of paths that were looked at."""
         self.reach = np.inf
         """How long the last step was that made rates smaller, where what is conserved turns."""
 
@@ -160,10 +162,9 @@ class _Search:
             self.sizes[kept] = np.maximum(self.sizes[kept], terms)
             if self._off(here) <= REST and (lost is not None or self._is_small(move, here)):
                 self._check(point)
-                self._check_guards(here)
                 return Point(
                     point.t, point.mode, point.state, point.values, point.landed, "equilibrium"
-                ), notes
+                ), self._going_on(here) + notes
             if lost is not None:
                 self._none(point, lost)
             point = self._ahead(here, move)
@@ -244,33 +245,19 @@ class _Search:
         move = np.zeros(len(kept))
         if self.bent:
             self.conserved = None
-        notes = [
-            f"{self.paths[kept[j]]} goes on at {here.rates[j]:.6g} a second; nothing reads it"
-            for j in np.flatnonzero(~still)
-            if here.rates[j]
-        ]
         A, f = here.found.A[np.ix_(still, still)], here.rates[still]
         if not len(A):
-            return move, notes, None
+            return move, [], None
         balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
         u, values, vt = np.linalg.svd(balanced)
         rank = int((values > SINGULAR * values.max(initial=0.0)).sum())
         g = f / scale
         d = -vt[:rank].T @ ((u[:, :rank].T @ g) / values[:rank])
+        notes: list[str] = []
         lost = None
         if rank < len(A):
             conserved, free = u[:, rank:].T, vt[rank:].T
-            lasting = np.abs(conserved.T @ (conserved @ g))
-            # what is left of the other rates by rounding moves nothing that has not moved yet
-            lasting[lasting <= DUST * np.abs(g).max(initial=0.0)] = 0.0
-            off = lasting * scale
-            part = off / np.maximum(self.sizes[kept[still]], 1e-300)
-            worst = int(np.argmax(part))
-            if part[worst] > HELD:
-                lost = (
-                    f"{self.paths[kept[still][worst]]} goes on changing, {f[worst]:.6g} a second, "
-                    "whatever the states are"
-                )
+            lost = self._lost(kept[still], f, scale, conserved)
             idle = ~np.abs(A).max(axis=0).astype(bool) & (kept[still] >= self.stored)
             if lost is not None and idle.any():
                 # a state that is read and does not act just here: so it may be elsewhere
@@ -281,16 +268,29 @@ class _Search:
             if self.bent:
                 now[:] = 0.0
             d = d + free @ np.linalg.lstsq(conserved @ free, -conserved @ (now + d), rcond=1e-8)[0]
-            many = len(A) - rank
-            notes.append(
-                f"not the only rest: {many} direction{'s' if many > 1 else ''} in which the states "
-                "may be moved; what the motion conserves is as at the start"
-            )
+            notes.append(_many(len(A) - rank))
         # what is rounding beside the others waits until they have settled: a body that is at rest
         # while another state moves stays there, as no rank may hang on
         d[np.abs(d) <= DUST * np.abs(d).max(initial=0.0)] = 0.0
         move[still] = d * scale
         return move, notes, lost
+
+    def _lost(
+        self, states: NDArray[np.intp], f: Vector, scale: Vector, conserved: NDArray[np.float64]
+    ) -> str | None:
+        """Return which state goes on changing, as what no state changes is not zero; or None."""
+        g = f / scale
+        lasting = np.abs(conserved.T @ (conserved @ g))
+        # what is left of the other rates by rounding moves nothing that has not moved yet
+        lasting[lasting <= DUST * np.abs(g).max(initial=0.0)] = 0.0
+        part = lasting * scale / np.maximum(self.sizes[states], 1e-300)
+        worst = int(np.argmax(part))
+        if part[worst] <= HELD:
+            return None
+        return (
+            f"{self.paths[states[worst]]} goes on changing, {f[worst]:.6g} a second, "
+            "whatever the states are"
+        )
 
     def _note(
         self, here: _Here, states: NDArray[np.intp], scale: Vector, rows: NDArray[np.float64]
@@ -303,7 +303,7 @@ class _Search:
             Where it is not what it was at the point before.
         """
         old = self.conserved
-        self.conserved = _Kept(here.point.mode, states, scale, rows, here.point.state)
+        self.conserved = _Kept(here.point.mode, states, scale, rows)
         if self.bent or old is None or old.mode != here.point.mode:
             return
         if rows.shape[0] == old.rows.shape[0] and np.array_equal(states, old.states):
@@ -332,15 +332,14 @@ class _Search:
 
         start, kept = here.point.state, self.conserved
         assert kept is not None
-        asked = 0
+        most = self.asked + TURNS
         whole = np.asarray(here.found.basis[: len(start)] @ move)
         still = set(kept.states.tolist())
         scales = dict(zip(kept.states.tolist(), kept.scale.tolist(), strict=True))
 
         def way(_: float, state: Vector) -> Vector:
-            nonlocal asked
-            asked += 1
-            if asked > TURNS:
+            self.asked += 1
+            if self.asked > min(most, WHOLE):
                 raise self._far(here.point)
             point = valued(self.graph, self.apart.signals, 0.0, state, here.point.mode)
             found = self._proper(point)
@@ -367,10 +366,12 @@ class _Search:
             rtol=PATH,
             atol=PATH * np.maximum(sizes, DUST * self.largest),
         )
+        if not solved.success:
+            raise self._far(here.point)
         return np.asarray(solved.y[:, -1])
 
     def _far(self, point: Point) -> NumericsError:
-        """Return why a path was not followed: the step is halved."""
+        """Return why a path was not followed: the step is halved, if there are points left."""
         return NumericsError(
             "no equilibrium: the way to it is long, and what is conserved turns on it",
             code="HB-A510",
@@ -387,13 +388,14 @@ class _Search:
         if self.conserved is not None and self.bent:
             at = [here.found.kept.index(k) for k in self.conserved.states.tolist()]
             length = float(np.abs(move[at] / self.conserved.scale).max(initial=0.0))
-            part = min(1.0, LONGER * self.reach / length) if length else 1.0
+        if length > 0.0:
+            part = min(1.0, LONGER * self.reach / length)
         least = LEAST * part
         last: Point | None = None
         why: HybondError | None = None
         while part > least:
             try:
-                if self.bent and length:
+                if length > 0.0:
                     ahead = self._along(here, part * move)
                 else:
                     ahead = point.state + part * direction
@@ -402,6 +404,8 @@ class _Search:
                 trial = self._settled(ahead, point.mode)
             except HybondError as error:
                 why = error
+                if self.asked > WHOLE:
+                    raise
                 part /= 2.0
                 continue
             last = trial
@@ -439,20 +443,23 @@ class _Search:
             text = self.graph.mode_text(after.mode)
             self._none(point, f"there the mode is left at once for ({text})")
 
-    def _check_guards(self, here: _Here) -> None:
-        """Refuse a rest of the laws in which what a guard waits for goes on."""
-        for j in np.flatnonzero(~here.still):
-            k = here.found.kept[j]
-            if abs(here.rates[j]) <= REST * self.sizes[k]:
+    def _going_on(self, here: _Here) -> list[str]:
+        """Return notes of what goes on at a rest; refuse one at which a guard waits for it."""
+        notes = []
+        going = [(here.found.kept[j], float(here.rates[j])) for j in np.flatnonzero(~here.still)]
+        rates = {f"s:{k - self.stored}": r for k, r in going if abs(r) > REST * self.sizes[k]}
+        for k, rate in going:
+            if not rate:
                 continue
-            for machine, state in zip(self.graph.machines, here.point.mode, strict=True):
-                for rule in machine.rules:
-                    if rule.source == state and f"s:{k - self.stored}" in names(rule.guard):
-                        self._none(
-                            here.point,
-                            f"{self.paths[k]} goes on changing, {here.rates[j]:.6g} a second, and "
-                            f"{machine.path} reads it: {rule.text}",
-                        )
+            found = readings(self.graph, here.point, rates, f"s:{k - self.stored}")
+            if found and found[0].comes and f"s:{k - self.stored}" in rates:
+                self._none(
+                    here.point,
+                    f"{self.paths[k]} goes on changing, {rate:.6g} a second, and "
+                    f"{found[0].machine.path} reads it: {found[0].rule.said}",
+                )
+            notes.append(f"{self.paths[k]} goes on at {rate:.6g} a second; {said_of(found)}")
+        return notes
 
     def _none(self, point: Point, why: str, hint: str = OTHER) -> NoReturn:
         raise NumericsError(
@@ -461,3 +468,11 @@ class _Search:
             where=self.graph.mode_text(point.mode),
             hint=hint,
         )
+
+
+def _many(directions: int) -> str:
+    """Return what is said of a rest beside which there are others."""
+    return (
+        f"not the only rest: {directions} direction{'s' if directions > 1 else ''} in which the "
+        "states may be moved; what the motion conserves is as at the start"
+    )
