@@ -301,26 +301,33 @@ def energy_between(e: Engine, g: int, x: Floats, begin: float, end: float) -> fl
 def next_bend(e: Engine, g: int, x: Floats, low: float) -> float:
     """Return where on its ray a law of a storage next has a kink or a jump; 1: nowhere.
 
-    What changes its sign there is looked at in KINK_SAMPLES parts of the ray.
+    What changes its sign there is looked at in KINK_SAMPLES parts of the ray, and where another has
+    one: about a kink of ``abs(q - a) < b`` there may be two in no time.
     """
     m = e.model
     found = 1.0
-    for i in range(m.bend_first[g], m.bend_first[g + 1]):
-        bend = m.bend_value[i]
-        before = low
-        one = turn_at(e, g, x, bend, low)
-        for k in range(1, KINK_SAMPLES + 1):
-            after = float(k) / float(KINK_SAMPLES)
-            if after <= before or before >= found:
-                continue
-            other = turn_at(e, g, x, bend, after)
-            if other == 0.0 and after < found:
-                found = after
-            if one * other < 0.0:
-                found = min(found, root_of_turn(e, g, x, bend, before, after, one))
-            before = after
-            one = other
+    for _ in range(2):
+        for i in range(m.bend_first[g], m.bend_first[g + 1]):
+            found = bend_within(e, g, x, m.bend_value[i], low, found)
     return found
+
+
+def bend_within(e: Engine, g: int, x: Floats, bend: int, low: float, high: float) -> float:
+    """Return where this one first changes its sign between two parts of the ray, else `high`."""
+    before = low
+    one = turn_at(e, g, x, bend, low)
+    for k in range(1, KINK_SAMPLES + 1):
+        after = min(float(k) / float(KINK_SAMPLES), high)
+        if after <= before:
+            continue
+        other = turn_at(e, g, x, bend, after)
+        if one * other < 0.0:
+            return min(high, root_of_turn(e, g, x, bend, before, after, one))
+        if other == 0.0:
+            return after
+        before = after
+        one = other
+    return high
 
 
 def turn_at(e: Engine, g: int, x: Floats, bend: int, part: float) -> float:
