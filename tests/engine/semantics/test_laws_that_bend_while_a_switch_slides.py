@@ -39,6 +39,7 @@ def slides_all_along(r):
 PULSES = {
     "a spike": ("max(0, 0.001 - abs(time - 2.5))*1e6", 1.0),
     "a hat": ("max(0, 1 - abs(time - 3.3)*1e4)*1e4", 1.0),
+    "flat on both sides": ("if max(0, 0.001 - abs(time - 2.5)) > 0 then 500 else 0", 1.0),
     "two": ("1e6*(max(0, 0.001 - abs(time - 1.7)) + max(0, 0.001 - abs(time - 4.1)))", 2.0),
     "the top of a wave": (
         "max(0, sin(pi*time) - 0.9999)*1e6",
@@ -141,3 +142,18 @@ def test_law_that_bends_where_the_relay_holds_it(law, solver):
     for t in (1.0, 4.3, 10.0):
         assert r["w.f"].at(t) == pytest.approx(1 + 0.5 * math.sin(3 * t), abs=1e-12)
     assert r.stats["steps"] < 2 * plain.stats["steps"]
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_what_is_flat_at_zero_far_from_where_it_bends_does_not_lie_on_the_surface(solver):
+    """A body passes a narrow field far from rest, which pushes it on."""
+    m = relay()
+    m.add(
+        v=hb.One(), k=hb.I(1.0, f=1.0), s=hb.Se("if max(0, 1e-3 - abs(x - 2)) > 0 then 500 else 0")
+    )
+    m.bond("s -> v -> k")
+    m.signal(x=hb.Integral("v.f"))
+    r = hb.simulate(m, 5.0, solver=solver)
+    assert r.status == "ok"
+    assert slides_all_along(r)
+    assert r["k.f"].at(5.0) == pytest.approx(math.sqrt(1 + 2 * 500 * 2e-3), rel=1e-6)
