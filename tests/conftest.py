@@ -23,10 +23,10 @@ from part_sheets import SHARE_SHEETS
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
 LARGE_GRID = 8
-"""Cases from which on a quarter of a grid is kept."""
+"""Cases from which on an eighth of a grid is kept."""
 
 SMALL_GRID = 6
-"""Cases from which on a half of it is: of two by two that would be one diagonal, on which neither
+"""Cases from which on a third of it is: of two by two that would be one diagonal, on which neither
 axis is told from the other."""
 
 LONG_LIST = 4
@@ -103,10 +103,9 @@ def sample(items: list[pytest.Item]) -> None:
     """Of a test with many cases keep some; the rest are slow.
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
-    ``parametrize`` make, it keeps a sixth, and of a small one a half, in which the values of each
-    come about as often as each other. Of any grid it keeps at least as many as its longest axis has
-    values, but for one of which one case is asked for. Of a long list it keeps every other one, of
-    one as long as a large grid every third.
+    ``parametrize`` make, it keeps an eighth, and of a small one a third, in which the values of
+    each come about as often as each other, and at least as many as its longest axis has values. Of
+    a long list it keeps every third one, of one as long as a large grid every fourth.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -120,12 +119,12 @@ def sample(items: list[pytest.Item]) -> None:
             (many,) = mark.args
             kept = {k * len(found) // many for k in range(many)}
             if is_grid(lengths_of(found), found) and many < len(found):
-                kept = balanced(lengths_of(found), max(many, *lengths_of(found)) if many > 1 else 1)
+                kept = balanced(lengths_of(found), many)
         elif is_grid(lengths_of(found), found) and len(found) >= SMALL_GRID:
-            many = -(-len(found) // (6 if len(found) >= LARGE_GRID else 2))
+            many = -(-len(found) // (8 if len(found) >= LARGE_GRID else 3))
             kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
         else:
-            every = 3 if len(found) >= LARGE_GRID else 2 if len(found) >= LONG_LIST else 1
+            every = 4 if len(found) >= LARGE_GRID else 3 if len(found) >= LONG_LIST else 1
             kept = {*range(0, len(found), every)}
         for k, item in enumerate(found):
             if k not in kept:
@@ -133,14 +132,14 @@ def sample(items: list[pytest.Item]) -> None:
 
 
 def take_a_few(items: list[pytest.Item]) -> None:
-    """Of the slow tests of what a run does, let one in twenty-four be none, always the same ones.
+    """Of the slow tests of what a run does, let one in forty-eight be none, always the same ones.
 
     Which these are is by a checksum of their names: cases that no pattern of a grid chooses. A test
     that is marked ``sampled(n)`` has the n that it wants already.
     """
     for item in items:
         slow = next((m for m in item.own_markers if m.name == "slow"), None)
-        chosen = zlib.crc32(item.nodeid.encode()) % 24 == 0
+        chosen = zlib.crc32(item.nodeid.encode()) % 48 == 0
         dear = getattr(item, "originalname", "") in DEAR or item.get_closest_marker("sampled")
         dear = dear or any(m.name in COMPILED for m in item.iter_markers())
         if slow and chosen and not dear and RUNS & {*item.path.parts}:

@@ -106,6 +106,7 @@ def test_a_pole_at_the_origin_has_no_gain_at_rest() -> None:
     assert step.y[:, 0, 0] == pytest.approx(step.t**2 / 4.0, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_plots_show_what_was_computed(tmp_path: Path) -> None:
     lin = filtered()
     bode = lin.plot_bode(tmp_path / "bode.svg", output="n.e")

@@ -242,7 +242,7 @@ def test_every_bond_direction():
         assert compressive_sign(graph, contact) == (-1 if flips[2] else 1), flips
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("flips", SOME, ids=str)
 def test_contact_phase_in_bond_directions(flips):
     """The weight tells whether the side that pushes was found."""
@@ -684,7 +684,7 @@ def test_newton_model_with_the_papers_value():
     assert times(hb.simulate(simple, until="3 s"))[1] == pytest.approx(2.203993, abs=6e-7)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("flips", SOME, ids=str)
 def test_newton_model_in_every_bond_direction(flips):
     run = hb.simulate(newton_law_model(ball(flips), "contact", 0.5), until="1 s")
@@ -693,7 +693,7 @@ def test_newton_model_in_every_bond_direction(flips):
     assert run["v.f"].at(times(run)[0]) == pytest.approx(0.5 * 9.81 * first, rel=1e-9)
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [(), (0,), (1,), (2, 3), (4, 5), (0, 1, 2, 3, 4, 5, 6)], ids=str)
 @pytest.mark.parametrize(
     ("m1", "m2", "v1", "v2", "eps"),

@@ -39,6 +39,7 @@ def torque_of_spring(angle: float, start: float) -> float:
     return float(-300.0 * 0.2 * (np.cos(angle) - np.cos(start)) * -0.2 * np.sin(angle))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(
     ("start", "torque", "end"), [(1.1, 0.4, 1.3), (1.1, -0.9, 0.95), (2.0, 1.5, 2.3), (-1.2, 1, -1)]
@@ -155,6 +156,7 @@ def test_the_angle_of_a_motor_may_go_on() -> None:
     assert lin.notes == ("x goes on at 10 a second; nothing reads it",)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("speed", [0.0, 1e-20, 1e-30, 1e-37, 1e-60, 1e-100, 1e-300])
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_speed_that_has_died_out_is_no_constraint(speed: float, turned: bool) -> None:

@@ -105,7 +105,7 @@ def test_power_balances(name):
     assert (np.abs(power.sum(axis=0)) <= 1e-12 * np.maximum(size, 1e-9 * size.max())).all()
 
 
-@pytest.mark.sampled(19)
+@pytest.mark.sampled(3)
 @every_example
 def test_energy_balances_over_each_segment(name):
     run = run_of(name)
@@ -166,7 +166,7 @@ def test_events_are_in_order(name):
         assert (np.diff(one.t) > 0.0).all()
 
 
-@pytest.mark.sampled(19)
+@pytest.mark.sampled(3)
 @every_example
 def test_no_value_is_missing(name):
     run = run_of(name)

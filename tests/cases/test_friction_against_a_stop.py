@@ -45,7 +45,7 @@ def test_friction_that_leans_on_a_stop_holds_up_to_its_breakaway(
     assert run.mode["v"] == "backward"
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("bounces", [0.0, 0.2])
 @pytest.mark.parametrize(("falls", "step"), [(12.0, 1e-3), (12.0, 7e-4), (10.0, 2e-3)])
 @pytest.mark.parametrize(("rubs", "holds"), [(0.3, 1.4), (0.2, 1.4), (0.3, 1.0)])
@@ -86,7 +86,7 @@ def block(push: str, speed: float, way: float, turned: bool) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("way", "turned"), [(1.0, False), (-1.0, False), (1.0, True)])
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("step", [4e-3, 2e-3, 1.7e-3, 1e-3, 1e-4])
@@ -107,6 +107,7 @@ def test_what_comes_to_rest_within_a_step_is_held(
     assert way * pushed.final["x"] == pytest.approx(away, abs=4.0 * step)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("way", "turned"), [(1.0, False), (-1.0, False), (1.0, True)])
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("later", ["3 + 0.001*(time - 1)", "4", "2.9", "-3"])

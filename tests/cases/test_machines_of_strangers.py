@@ -359,6 +359,7 @@ def turned(text: str) -> str:
     return json.dumps(data)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("way", ["as written", "turned round", "implicit"])
 @pytest.mark.parametrize("name", CASES)
 def test_a_machine_in_closed_form(name: str, way: str) -> None:

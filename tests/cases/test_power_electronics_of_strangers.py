@@ -247,6 +247,7 @@ CIRCUITS: dict[str, Callable[[], Circuit]] = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("name", CIRCUITS)
 def test_a_circuit_in_closed_form(name: str, solver: str) -> None:

@@ -163,6 +163,7 @@ def by_charges(circuit: Filter, gain: float, phases: int, seed: int = 0) -> list
     return told
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("unit", [1.0, 1e-12])
 @pytest.mark.parametrize("gain", [1e3, 1e6])
 @pytest.mark.parametrize(

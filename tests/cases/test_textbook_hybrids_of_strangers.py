@@ -146,6 +146,7 @@ def slack_string() -> Told:
 CASES = [two_relays, impact_pair, commutation, three_jenkins, peg, slack_string]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.__name__)
 def test_a_hybrid_of_a_textbook_in_closed_form(case, solver: str) -> None:

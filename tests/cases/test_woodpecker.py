@@ -151,6 +151,7 @@ def pecks(angle, h):
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("h", [4e-4, 3e-4])
+@pytest.mark.slow
 def test_time_stepping_of_ours(h, simulate):
     run = simulate("woodpecker", until=0.0776, solver="moreau-jean", step=h)
     assert difference(run, march(0.1, 4e-5), 4e-5, LOCKED_AND_FALLING) < 4e3 * h**2

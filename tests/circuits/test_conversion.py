@@ -136,7 +136,7 @@ class TestSigns:
                         "R3 b m 1meg", DIODE, ".print tran v(b)", ".tran 0.01 1 uic")  # fmt: skip
         assert printed(none).at(0.25) == pytest.approx(0.0, abs=1e-4)
 
-    @pytest.mark.sampled(7)
+    @pytest.mark.sampled(3)
     @pytest.mark.parametrize("k", [0.8, 1])
     @pytest.mark.parametrize(
         "load", ["R2 b 0 100", "R2 b c 50\nR3 c 0 50", "R2 b 0 100\nC2 b 0 1u"]

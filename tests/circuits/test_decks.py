@@ -30,7 +30,7 @@ def test_there_are_forty():
     assert len(decks()) == 40
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.ngspice
 @pytest.mark.parametrize(
     "deck", [d for d in decks() if d.stem not in SLOW], ids=lambda path: path.name

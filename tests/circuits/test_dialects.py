@@ -48,6 +48,7 @@ def test_measurements_of_a_charging_capacitor(measured):
     )  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("start", ["2m", "{2*half}"])
 @pytest.mark.parametrize(
     ("asked", "value"),

@@ -71,7 +71,7 @@ def seen(conversion, signal="v(x)", times=TIMES):
 
 
 @pytest.mark.ngspice
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", GATES)
 def test_a_switch_is_where_ngspice_has_it(tmp_path, name):
     deck, conversion = read(tmp_path, GATES[name])

@@ -213,6 +213,7 @@ def test_switches_that_cross_at_one_gate_are_not_told_to_slide(read, rows):
     assert not run.warnings
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("card", "value"),
     [

@@ -281,7 +281,7 @@ Rl a b 8
 }
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", DECKS)
 def test_a_converter_comes_to_its_closed_form(tmp_path, name):
     deck = DECKS[name]

@@ -11,6 +11,7 @@ from hybond.cli.main import main
 BALL = str(Path(__file__).parents[2] / "examples" / "bouncing_ball.toml")
 
 
+@pytest.mark.slow
 def test_a_file_is_written_once(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["export", BALL, "--to", "c"]) == 0

@@ -50,6 +50,7 @@ def test_a_sweep_has_the_code_of_its_worst_member(shell: Any) -> None:
 
 
 @pytest.mark.c
+@pytest.mark.slow
 def test_a_program_ends_with_the_same_code(shell: Any) -> None:
     shell.file("relay.toml", RELAY)
     text = hb.export(hb.load("relay.toml"), to="c")

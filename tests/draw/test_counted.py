@@ -50,19 +50,19 @@ def cases(paths):
     ]
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", cases(drawn.EXAMPLES))
 def test_examples_are_drawn_without_a_flaw(path: Path) -> None:
     checked(path)
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", cases(CIRCUITS))
 def test_circuits_are_drawn_without_a_flaw(path: Path) -> None:
     checked(path)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", cases(drawn.DECKS)[::4])
 def test_decks_are_drawn_without_a_flaw(path: Path) -> None:
     checked(path)

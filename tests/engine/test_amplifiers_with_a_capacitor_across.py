@@ -49,6 +49,7 @@ def solution(vi: float, back: float) -> float:
     return second(brentq(first, -12.1, 12.1, xtol=1e-15))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("back", "peak"), [(4e4, 0.5), (1e5, 0.5), (1e5, 8.0), (2e5, 0.5)])
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_capacitor_across_the_output_of_two_stages(

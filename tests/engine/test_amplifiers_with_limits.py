@@ -10,6 +10,7 @@ import pytest
 import hybond as hb
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("gain", [1e2, 1e4, 1e5, 1e7])
 @pytest.mark.parametrize("turned", [False, True])
 def test_an_inverting_amplifier_with_limits_is_its_closed_form(gain: float, turned: bool) -> None:

@@ -26,7 +26,7 @@ def pile(
     return m
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(
     ("lower", "upper", "lift", "weight", "restitution"),

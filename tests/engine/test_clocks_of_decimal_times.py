@@ -41,6 +41,7 @@ def clocks(period: str, every: int, source: str) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("source", ["1 V", "1 V*floor(time/({}))"])
 @pytest.mark.parametrize("every", [1, 3])
 @pytest.mark.parametrize("period", PERIODS)
@@ -93,6 +94,7 @@ RESETS = {
 """What ends a pulse that begins with each period, and the part of it that it lasts."""
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("period", [*PERIODS, "0.7"])
 @pytest.mark.parametrize("reset", RESETS)
 def test_a_clock_sets_what_a_ramp_of_its_own_period_resets(reset: str, period: str) -> None:

@@ -45,6 +45,7 @@ def test_what_a_source_drives_slows_down_with_it(width: float, solver: str) -> N
     assert run.audit().energy < 1e-6
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
 @pytest.mark.parametrize("least", [1.0, 2.0])
 @pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])

@@ -68,6 +68,7 @@ def steps(h: float, masses: tuple[float, float], gives: tuple[float, float], pus
     return x[0]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("place", range(12))
 @pytest.mark.parametrize(("masses", "gives"), [((1.0, 1.5), (0.5, 0.5)), ((1.5, 1.0), (0.5, 0.5))])
 def test_what_a_step_left_overlapping_and_goes_apart_is_not_struck(

@@ -48,6 +48,7 @@ def run_and_calls() -> tuple[hb.Result, Counter[str]]:
     return run, calls
 
 
+@pytest.mark.slow
 def test_slips_come_as_often_as_springs_take_to_be_loaded() -> None:
     run, _ = run_and_calls()
     slips = [event.t for event in run.events[1:]]

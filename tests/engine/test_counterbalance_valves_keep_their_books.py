@@ -34,6 +34,7 @@ def circuit(hose: str) -> hb.Model:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("hose", ["150 bar", "200 bar"])
+@pytest.mark.slow
 def test_no_step_loses_more_than_its_tolerance(hose: str) -> None:
     """Up to 2.5 times as much was lost, five times in a third of a second."""
     run = hb.simulate(circuit(hose), 0.3, solver="rk45")

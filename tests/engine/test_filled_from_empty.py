@@ -32,6 +32,7 @@ def least(run: hb.Result, name: str) -> float:
     return float(run[name].at(np.linspace(0.0, run.t_end, 1001)).min())
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(
     ("outlet", "inflow", "power"),
@@ -54,6 +55,7 @@ def test_the_level_follows_what_flows_in(outlet: str, inflow: str, power: int, s
     assert run.audit().holds()
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(
     ("inflow", "begin"),

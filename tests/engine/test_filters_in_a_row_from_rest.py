@@ -56,7 +56,7 @@ def servo(
     return m
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(

@@ -45,6 +45,7 @@ def beside_a_charged_one(amplitude: float, way: str) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("way", WAYS)
 def test_diodes_beside_a_charged_capacitor_switch_once(way: str, solver: str) -> None:

@@ -63,6 +63,7 @@ def held(run: hb.Result, name: str, power: int, first: float, sign: float = 1.0)
         assert sign * run[name].at(t) == pytest.approx(wanted(t), rel=1e-3)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("first", [1.0, 4.0, 1e3, 1e5])
 @pytest.mark.parametrize("solver", ["radau", "auto"])
 def test_the_flow_between_equal_vessels_is_what_the_leak_draws(solver: str, first: float) -> None:

@@ -36,6 +36,7 @@ def momentum(case: tuple[float, ...], t: float) -> float:
     return p + push / w * (1.0 - math.cos(w * t)) - rubs * t
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
 @pytest.mark.parametrize("law", ["coulomb", "relay"])
 @pytest.mark.parametrize("turned", [False, True])

@@ -15,6 +15,7 @@ GEARS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("parts", [(1.0,), (0.3, 0.7)])
 @pytest.mark.parametrize("speed", [8.0, -5.0])
 @pytest.mark.parametrize("gear", GEARS.values(), ids=GEARS)

@@ -36,6 +36,7 @@ def lands(drop, at):
     return at + math.sqrt(2.0 * drop / FALL)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "rk45", "radau", "qss2"])
 @pytest.mark.parametrize(
     "gap",
@@ -211,6 +212,7 @@ def test_a_machine_may_go_on_at_the_edge(rule, solver):
     assert run["y"].at(1.2) == pytest.approx(-0.5, abs=1e-8)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "rk4", "moreau-jean"])
 @pytest.mark.parametrize("restitution", [None, 0.0])
 @pytest.mark.parametrize("turned", [False, True])

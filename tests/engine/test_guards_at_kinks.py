@@ -151,6 +151,7 @@ def drawn_from(part: str, period: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("period", [0.14, 0.16, 0.2])
 @pytest.mark.parametrize("part", ["capacitors", "turned", "machine", "coils"])

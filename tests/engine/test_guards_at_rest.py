@@ -184,6 +184,7 @@ def fired(run: hb.Result) -> list[float]:
     return [float(t) for t, machine in fires if machine == "w"]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", NEVER)
 def test_limit_is_never_reached(name: str, method: str) -> None:

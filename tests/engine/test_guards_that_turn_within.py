@@ -50,7 +50,7 @@ def times(run: hb.Result) -> list[float]:
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(("at", "width"), [(3.1, 2e-2), (6.7, 1e-3)])
 @pytest.mark.parametrize("form", list(FORMS))
-@pytest.mark.sampled(15)
+@pytest.mark.sampled(3)
 def test_a_window_that_a_ramp_goes_through_within_a_step(
     form: str, at: float, width: float, solver: str
 ) -> None:
@@ -63,6 +63,7 @@ def test_a_window_that_a_ramp_goes_through_within_a_step(
     assert times(hb.simulate(m, until=10.0, solver=solver)) == pytest.approx(expected, abs=1e-7)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("form", ["{u}^8 < 1", "{u}^8 + {u}^2 < 2", "abs(abs({u}) - 3) < 1"])
 def test_a_window_that_a_charge_passes_on_its_way_to_rest(form: str, solver: str) -> None:
@@ -77,6 +78,7 @@ def test_a_window_that_a_charge_passes_on_its_way_to_rest(form: str, solver: str
     assert times(run) == pytest.approx(expected, abs=4e-8)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("translational", [False, True])
 @pytest.mark.parametrize(

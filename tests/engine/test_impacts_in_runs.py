@@ -82,6 +82,7 @@ def test_stiffness_counts_for_springs_alone(law):
     assert moved > 1e-2 if law.startswith("lzb") else moved == 0.0
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("law", AT_ONCE)
 @pytest.mark.parametrize("seed", range(4))
 def test_rows_keep_momentum_create_no_energy_and_know_no_order(law, seed):
@@ -272,6 +273,7 @@ def test_springs_that_never_come_to_an_end():
 @pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("law", ["poisson", "lzb_hertz"])
+@pytest.mark.slow
 def test_a_program_has_the_law(law, tmp_path):
     m = example("newtons_cradle")
     text = hb.export(m, to="c", until=1.4, impact=law)

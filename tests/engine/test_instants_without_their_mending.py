@@ -299,6 +299,7 @@ def test_time_stepping_that_settles_its_start_contact_after_contact(
     assert "law of impacts that was asked for" in said(ended(row(masses, restitution), 2e-3, **how))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("impact", ["newton_simultaneous", "poisson", "lzb"])
 @pytest.mark.parametrize("case", ROWS)
 def test_impacts_at_once_that_are_made_one_after_the_other(

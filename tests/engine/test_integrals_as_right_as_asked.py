@@ -71,6 +71,7 @@ INTEGRALS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
 @pytest.mark.parametrize("name", INTEGRALS)
 def test_integrals_that_users_write(name: str, solver: str) -> None:

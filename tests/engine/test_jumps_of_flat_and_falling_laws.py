@@ -31,6 +31,7 @@ def storage(law: str, start: float, *, dual: bool) -> hb.C | hb.I:
     return hb.C({"e": law}, q=start)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("law", FLAT)
 @pytest.mark.parametrize(("turned", "dual"), list(product([False, True], repeat=2)))
 def test_a_source_fills_what_has_no_slope_at_zero(law: str, turned: bool, dual: bool) -> None:
@@ -96,6 +97,7 @@ def led(rate: Callable[[list[float]], list[float]], start: list[float]) -> float
     return float(found.y[0, -1])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("level", [0.1, -0.3, 0.38, 1.0])
 @pytest.mark.parametrize("dual", [False, True])
 def test_a_source_drives_what_is_stored_over_a_law_that_falls(level: float, dual: bool) -> None:

@@ -31,6 +31,7 @@ def circuit(law: dict[str, str]) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("bond", range(6))
 def test_any_variable_that_is_wrong_is_seen(
@@ -95,6 +96,7 @@ def test_a_law_of_coupled_coils_that_is_wrong_is_seen(
     assert run.status == "unsound" and "core" in str(run.error)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("engine", ["python", None])
 @pytest.mark.parametrize("power", [2, 3, 5, 7])
 @pytest.mark.parametrize("until", [0.02, 0.03, 0.06])

@@ -48,7 +48,7 @@ def points_of(steps: Steps) -> Within:
     return Within(steps, np.unique([first, *ends, *inner]))
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", CASES)
 def test_values_are_what_all_elements_say(name: str) -> None:
     """Junctions, laws of elements and of storage, in each of the modes that are combined."""
@@ -75,7 +75,7 @@ def test_values_are_what_all_elements_say(name: str) -> None:
         assert off <= 1e-9 * (size[row] + 1e-6 * kinds), row
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", CASES)
 def test_what_flows_in_is_stored_and_powers_are_what_elements_take(name: str) -> None:
     """The state moves by what storage takes, and by the rates of integrals; powers add up."""

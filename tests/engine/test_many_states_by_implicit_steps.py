@@ -42,6 +42,7 @@ def test_a_mode_of_a_rod_decays(back: bool) -> None:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.slow
 def test_a_rod_that_radiates(solver: str) -> None:
     """Beside another tool, which has the equations of the rod as finite volumes."""
     start = [300.0 + 600.0 * (i < MANY // 4) for i in range(MANY)]

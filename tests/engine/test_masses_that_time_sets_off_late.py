@@ -52,7 +52,7 @@ def followed(at: float, power: float, spring: str, way: int, mass: float) -> np.
     return np.asarray(s.y[:, -1])
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("spring", SPRINGS)
 @pytest.mark.parametrize("at", [0.0, 0.3, 1.0, 1.9, 2.123])

@@ -76,7 +76,7 @@ def said_by(run: EngineRun, rows: list[Rows]) -> Said:
     return said
 
 
-@pytest.mark.sampled(19)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_an_example_does_what_is_written_of_it(name: str) -> None:
     run = EngineRun(EngineModel(tables(name)))
@@ -236,7 +236,7 @@ def test_memory_is_given_back() -> None:
     assert ended < 4.0
 
 
-@pytest.mark.sampled(19)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_an_example_does_the_same_at_its_own_tolerance(name: str) -> None:
     """Steps are long there: touches are decided between few points."""

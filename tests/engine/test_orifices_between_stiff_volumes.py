@@ -126,6 +126,7 @@ def test_check_valve_that_closes_as_what_is_behind_it_turns(law: str) -> None:
     assert run.stats["steps"] < 2000
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize(
     "law",

@@ -129,7 +129,7 @@ FAMILIES = [hanging, pushed_later, hanging_on_two, charged, divided, at_ambient,
 BENT = [on_a_cubic, on_hard_and_soft, bent_wheel]
 
 
-@pytest.mark.sampled(11)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("family", [*FAMILIES, *BENT], ids=lambda family: family.__name__)
 def test_rounding_fires_no_guard(family: Family, solver: str) -> None:

@@ -326,6 +326,7 @@ CANCELS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("form", CANCELS)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_what_cancels_does_not_make_steps_short(form: str, solver: str) -> None:

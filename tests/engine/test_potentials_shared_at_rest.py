@@ -43,6 +43,7 @@ def fed(order: int, *, turned: bool, dual: bool) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", range(5))
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("dual", [False, True])

@@ -107,6 +107,7 @@ def made(phase: str, pulsed: str, *, back: bool) -> tuple[hb.Model, str, float]:
     return m, PULSED[pulsed](m, back), charge
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("back", [False, True])
 @pytest.mark.parametrize("phase", PHASES)
 def test_the_charge_of_each_pulse_of_a_phase_arrives(phase: str, *, back: bool) -> None:
@@ -114,7 +115,7 @@ def test_the_charge_of_each_pulse_of_a_phase_arrives(phase: str, *, back: bool) 
     assert hb.simulate(m, 1.0).final[q] == pytest.approx(charge, rel=2e-5)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("back", [False, True])
 @pytest.mark.parametrize("solver", ["rk45", "radau", "exact", "auto"])
 @pytest.mark.parametrize("pulsed", PULSED)
@@ -168,6 +169,7 @@ def test_what_only_turns_evenly_bounds_no_step() -> None:
     assert not run.warnings
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("pulse", "area"),
     [

@@ -410,6 +410,7 @@ def test_examples_agree_with_runge_kutta(example: str, name: str, rtol: float) -
     ("example", "name"),
     [("clutch", "liqss2"), ("half_bridge", "qss3"), ("diode_inductor", "qss1")],
 )
+@pytest.mark.slow
 def test_a_program_runs_as_the_library_does(example: str, name: str, tmp_path: Path) -> None:
     options: dict[str, Any] = {"solver": name, "rtol": 1e-3}
     model = hb.load(EXAMPLES / f"{example}.toml")

@@ -47,6 +47,7 @@ def root(drive: float, near: float) -> float:
     return float(real[np.argmin(np.abs(real - near))])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("away", [False, True])
 @pytest.mark.parametrize("beside", ["rectifier", "ball", "before it", "behind it"])
 def test_no_guard_fires_before_the_fold_and_the_fold_is_told(beside: str, *, away: bool) -> None:

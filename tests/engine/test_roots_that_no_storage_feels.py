@@ -55,6 +55,7 @@ def ends_at(run, fold):
         assert event.t >= fold - 1e-8
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45", "exact", "rk4"])
 @pytest.mark.parametrize("away", [False, True])
 @pytest.mark.parametrize("way", [1, -1])

@@ -32,6 +32,7 @@ def row(many: int, speed: str, *, gap: bool = True, turned: bool = False) -> hb.
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("options", [{}, {"impact": "newton_simultaneous"}, {"solver": "rk45"}])
 @pytest.mark.parametrize("gap", [True, False])
 @pytest.mark.parametrize("turned", [False, True])

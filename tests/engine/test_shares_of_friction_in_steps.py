@@ -47,7 +47,7 @@ def held(lever: str, beside: tuple[str, ...], backwards: bool) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("backwards", [False, True], ids=["with", "against"])
 @pytest.mark.parametrize("beside", BESIDE.values(), ids=BESIDE)
 @pytest.mark.parametrize("lever", LEVERS.values(), ids=LEVERS)

@@ -159,6 +159,7 @@ def check(model: hb.Model, until: float, t: float | None, method: str) -> None:
     assert at == ([] if t is None else [pytest.approx(t, rel=1e-5, abs=1e-12)])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", AFTER_REST)
 def test_time_that_asks_what_is_at_rest(name: str, method: str) -> None:

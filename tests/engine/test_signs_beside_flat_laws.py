@@ -31,6 +31,7 @@ def node(order: tuple[str, ...], bend: str, flow: float, turned: bool = False) -
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("order", list(itertools.permutations(NAMES))[::7])
 @pytest.mark.parametrize("bend", ["1.17*max(-1, min(1, f/0.611))", "2*f", "0.5*(f + f^3)"])
 @pytest.mark.parametrize("turned", [False, True])

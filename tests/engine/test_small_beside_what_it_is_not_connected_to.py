@@ -113,6 +113,7 @@ def put_fall(m: hb.Model, energy: float) -> None:
 BESIDE = {f.__name__[4:]: f for f in (put_wheel, put_bank, put_tank, put_fall)}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("beside", "solver"), list(zip(BESIDE, ["auto", "rk45", "radau", "rk45"], strict=True))
 )
@@ -158,6 +159,7 @@ def put_parted(m: hb.Model, at: str, by: str, energy: float, until: float = 9.0)
         m.machine("XW", states={"open": [], "shut": ["X"]}, start="open", rules=rules)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("by", ["switch", "diode", "diode back"])
 @pytest.mark.parametrize("small", SMALL)
 def test_a_small_circuit_parted_from_a_huge_energy(small: str, by: str) -> None:

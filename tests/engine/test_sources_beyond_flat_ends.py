@@ -17,6 +17,7 @@ AT = math.asin(0.11 / 2.15) / 24.1
 """When the source reaches 0.11."""
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize(

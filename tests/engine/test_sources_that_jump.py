@@ -157,6 +157,7 @@ def test_a_source_behind_an_open_junction_jumps_onto_nothing_until_that_closes()
     assert run["mass.p"].at([0.7, 1.2, 1.7]) == pytest.approx([0.0, MASS, 2.0 * MASS])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape", ["sign", "ceil", "floor"])
 def test_a_timed_rule_at_a_jump_of_a_source_is_one_instant_with_it(shape: str, method: str) -> None:

@@ -35,6 +35,7 @@ def held(text: str, kind: str, turned: bool) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("kind", ["Sf", "Se"])
 @pytest.mark.parametrize("shape", SHAPES)

@@ -29,6 +29,7 @@ def geared(ratio: float, bend: float, p: float, compliance: float | None = None)
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "rk45", "radau"])
 @pytest.mark.parametrize("ratio", [0.3, 0.7, 1.68, 2.2])
 @pytest.mark.parametrize("bend", [0.5, 1.0, 3.0])

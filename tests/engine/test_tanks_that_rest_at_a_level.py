@@ -53,7 +53,7 @@ def row(seed: int, hole: str, level: float, pipes: tuple[str, ...]) -> tuple[hb.
 @pytest.mark.parametrize("level", [0.25, 0.1, 1.7])
 @pytest.mark.parametrize("hole", HOLES)
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.sampled(15)
+@pytest.mark.sampled(3)
 def test_what_was_above_the_hole_flows_out(seed: int, hole: str, level: float, solver: str) -> None:
     m, above = row(seed, hole, level, PIPES[:2])
     run = hb.simulate(m, "400 s", solver=solver)
@@ -65,6 +65,7 @@ def test_what_was_above_the_hole_flows_out(seed: int, hole: str, level: float, s
     assert run.stats["steps"] < 3000
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("hole", [*HOLES, "{k}*sqrt(e)"])
 @pytest.mark.parametrize("seed", range(100, 104))

@@ -90,6 +90,7 @@ def read(text: str) -> dict[str, float]:
 @pytest.mark.sampled(1)
 @pytest.mark.c
 @pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.slow
 def test_a_program_in_c_makes_the_same_steps(tmp_path: Path, theta: float) -> None:
     # the programs differ in one number: one of them is compiled without a warning
     compiled = compile_c if needs.STRICT and theta == 1.0 else compile_quickly

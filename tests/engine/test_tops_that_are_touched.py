@@ -74,6 +74,7 @@ def charge(form: str, k: float, d: float) -> float:
     return total
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("drive", ["signal", "source", "swings", "swings_back"])
 @pytest.mark.parametrize(("k", "d"), CLOSE)

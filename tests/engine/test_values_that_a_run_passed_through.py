@@ -11,6 +11,7 @@ import hybond as hb
 from hybond.testing import random_recipe
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
 @pytest.mark.parametrize(
     ("law", "half"),

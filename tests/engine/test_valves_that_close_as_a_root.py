@@ -49,6 +49,7 @@ def followed(which: int) -> NDArray[np.float64]:
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("which", "turned"), [(1, False), (7, True)])
 @pytest.mark.sampled(1)
+@pytest.mark.slow
 def test_a_valve_closes_within_the_tolerance(
     solver: str, law: str, which: int, turned: bool
 ) -> None:

@@ -101,6 +101,7 @@ def closing(form: str, *, turned: bool = False, step: bool = False) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("solver", ["auto", "rk45"])
 @pytest.mark.parametrize("form", list(FORMS))

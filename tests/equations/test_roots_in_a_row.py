@@ -8,7 +8,7 @@ import pytest
 import hybond as hb
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("number", [2, 3, 5])
 @pytest.mark.parametrize("soft", [1.0, 1e-3, 1e3])
 def test_orifices_in_a_row_had_no_solution_near_the_last_one(number, soft):

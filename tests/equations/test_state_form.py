@@ -313,7 +313,7 @@ def test_rows_that_close_kept_variables_are_no_values() -> None:
     assert whole == pytest.approx(1.0)
 
 
-@pytest.mark.sampled(11)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", range(32))
 def test_bonds_either_way_with_a_switch_that_closes_at_the_start(turned) -> None:
     """Closed: L C s^2 + (L/R) s + 1; open: s + 1/(R C). Which way arrows point says nothing."""

@@ -47,6 +47,7 @@ TIMES = {
 
 
 @needs_c
+@pytest.mark.slow
 def test_a_program_fires_each_function_at_its_closed_form(tmp_path):
     m = hb.Model("functions")
     m.add(flow=hb.Sf(1), tank=hb.C(1), node=hb.Zero())

@@ -73,6 +73,7 @@ def blocks(program: Path, until: float) -> tuple[int, int]:
         ("circle", (0.1, 0.5)),
     ],
 )
+@pytest.mark.slow
 def test_memory_does_not_grow_with_events(
     name: str, times: tuple[float, float], tmp_path: Path
 ) -> None:

@@ -36,6 +36,7 @@ def driven() -> hb.Model:
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 @pytest.mark.parametrize(("name", "values"), CASES, ids=[name for name, _ in CASES])
+@pytest.mark.slow
 def test_a_unit_with_other_parameters(
     name: str, values: dict[str, float], fmi: str, tmp_path: Path
 ) -> None:
@@ -122,6 +123,7 @@ def test_a_value_that_makes_another_model_is_refused(
     assert "the model is made of other parts where not R != 0" in said.out + said.err
 
 
+@pytest.mark.slow
 def test_a_parameter_is_set_before_the_unit_begins(tmp_path: Path) -> None:
     unit = tmp_path / "unit.fmu"
     hb.export(driven(), to="fmu", path=unit, fmi="2.0")

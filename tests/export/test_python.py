@@ -20,7 +20,7 @@ def rebuilt(model: hb.Model, path: Path) -> hb.Model:
     return runpy.run_path(str(path))["model"]()
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda p: p.stem)
 def test_every_example_is_rebuilt_to_the_same_graph(file: Path, tmp_path: Path) -> None:
     model = hb.load(file)

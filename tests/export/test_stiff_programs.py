@@ -10,6 +10,7 @@ import hybond as hb
 @pytest.mark.sampled(1)
 @needs_c
 @pytest.mark.parametrize("make", [van_der_pol, ladder])
+@pytest.mark.slow
 def test_an_exported_program_ends_at_the_same_state(make, tmp_path):
     until = 1.05 if make is ladder else 2000.0
     run = hb.simulate(make(), until, solver="auto")

@@ -58,6 +58,7 @@ print(" ".join(["silent:", *silent]))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a limit on the size of a file")
+@pytest.mark.slow
 def test_a_full_disk_leaves_every_output_as_it_was(tmp_path: Path) -> None:
     (tmp_path / "rod.toml").write_bytes((EXAMPLES / "falling_rod.toml").read_bytes())
     done = subprocess.run(

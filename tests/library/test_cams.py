@@ -37,6 +37,7 @@ CAM = {f"lift_{k}": float(y) for k, y in enumerate(LIFTS)}
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("speed", [20.0, -20.0])
+@pytest.mark.slow
 def test_a_pressed_follower_keeps_to_the_cam(speed: float) -> None:
     """``"rotational.cam"``: its way, the contact's force and the torque by virtual work."""
     mass, load, first = 0.2, 80.0, 2 if speed > 0 else 8  # at the feet of its lift

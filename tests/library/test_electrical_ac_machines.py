@@ -124,6 +124,7 @@ def circuit(slip: float, volts: float, w: float) -> tuple[complex, float]:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("slip", [0.03, 0.6, 0.0, -0.04])
+@pytest.mark.slow
 def test_an_induction_machine_has_the_current_and_torque_of_its_equivalent_circuit(
     slip: float,
 ) -> None:

@@ -29,7 +29,7 @@ def in_series(part: hb.Submodel, volts: float) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("volts", [10, -10])
 @pytest.mark.parametrize("name", OFF)
 def test_a_device_that_is_off_leaks_by_its_conductance(name: str, volts: float) -> None:

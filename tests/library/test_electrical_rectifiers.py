@@ -47,7 +47,7 @@ def mean(run: hb.Result, since: float, until: float) -> float:
     return (run["area"].at(until) - run["area"].at(since)) / (until - since)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", [CONTROLLED, HALF, TAPPED])
 @pytest.mark.parametrize(("degrees", "hertz"), [(0, 50), (60, 50), (90, 400), (135, 50), (60, 17)])
 def test_into_a_resistor_the_mean_follows_one_plus_the_cosine(

@@ -56,7 +56,7 @@ def test_the_resistances_of_a_zener_diode_are_those_of_its_two_directions() -> N
         assert run["p.current"].at(0.015) == pytest.approx(-6 / 12, rel=1e-9)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("degrees", [30, 90, 150])
 @pytest.mark.parametrize(("drop", "bulk"), [(0.0, 0.0), (1.0, 2.0)])
 def test_a_thyristor_conducts_from_its_firing_to_the_end_of_the_current(

@@ -140,7 +140,7 @@ def test_a_mass_that_is_pressed_against_an_end_stop_rests_there() -> None:
 PADS = [(2.0, 200.0, 0.0), (2.0, 200.0, 8.0), (0.5, 1e4, 20.0)]
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("m", "k", "d"), PADS)
 @pytest.mark.parametrize("way", [1, -1])
 def test_an_elastic_end_stop_gives_back_what_its_damper_leaves(
@@ -207,7 +207,7 @@ def test_backlash_delays_a_reversal() -> None:
         assert run["b.speed"].at(1.2) == pytest.approx(-1.0 - (1.2 - crossed) * 2 / 3)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("m1", "m2", "k", "d"), [(1, 1, 1e3, 0), (2, 0.5, 1e4, 15), (1, 4, 5e3, 0)]
 )
@@ -229,7 +229,7 @@ def test_elastic_backlash_is_a_soft_collision(
         assert way * run["p.force"].at(0.1 + time / 2) > 0
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("mu", "rest"), [(0.3, 0.3), (0.2, 0.5), (0.0, 0.0)])
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_block_slides_to_rest_and_breaks_loose(mu: float, rest: float, way: int) -> None:

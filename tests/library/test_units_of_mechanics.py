@@ -42,6 +42,7 @@ ELSEWHERE = {
 PARTS = [name for name in hb.library.names() if name.partition(".")[0] in OWN]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", PARTS)
 def test_signals_have_the_units_of_their_names(name: str) -> None:
     expected = UNITS | OWN[name.partition(".")[0]]

@@ -57,7 +57,7 @@ def meant(text: str, x: float) -> float:
         return float(found)
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("text", FORMS)
 def test_a_form_has_its_value_wherever_that_is_a_number(text: str) -> None:
     """As closures, on arrays, as instructions, and as pairs, of which guards are made."""

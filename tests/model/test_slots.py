@@ -131,7 +131,7 @@ def test_a_parameter_made_of_others_says_so() -> None:
 PARTS = [*hb.library.names()]
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", PARTS)
 def test_tables_of_a_part_follow_each_of_its_parameters(name: str) -> None:
     """Numbers written into tables are those of tables made anew, where these have one shape."""

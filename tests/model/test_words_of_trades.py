@@ -12,6 +12,7 @@ def loop(domain: str, bonds: str = "u -> j -> r") -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("bonds", ["u -> j -> r", "r -> j -> u"])
 @pytest.mark.parametrize(
     "domain, said, meant",

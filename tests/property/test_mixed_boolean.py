@@ -291,7 +291,7 @@ def test_symbols(seed, size, rings) -> None:
     check(seed, size, rings, symbolic=True)
 
 
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(20))
 def test_symbols_and_numbers_agree(seed) -> None:
     net = random_net(seed, 6, rings=1, controlled=0.5)

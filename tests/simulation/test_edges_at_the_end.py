@@ -33,6 +33,7 @@ CLOCKS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("clock", list(CLOCKS))
 @pytest.mark.parametrize("periods", [2, 3, 7, 35, 100, 700])
 def test_the_edge_at_the_end_is_there(clock: str, periods: int) -> None:

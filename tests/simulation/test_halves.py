@@ -72,7 +72,7 @@ def hold(name: str, cuts: list[float]) -> None:
             assert off <= SAME * len(whole.events) * growth(model, whole, end), (name, t, off)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_halves_are_the_whole(name: str) -> None:
     end = end_of(None, hb.load(EXAMPLES / f"{name}.toml").experiment)

@@ -25,6 +25,7 @@ def filled(what: str) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("cut", [1.9, 2.0, 2.5])
 @pytest.mark.parametrize("what", SAMPLED)
 def test_what_is_sampled_where_a_run_was_cut(what: str, cut: float) -> None:

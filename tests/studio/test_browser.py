@@ -424,6 +424,7 @@ def drawn(page: Page) -> list[tuple[tuple[float, float], str]]:
     return [((x, y), ink) for (x, y), ink in found]
 
 
+@pytest.mark.slow
 def test_the_schematic_stands_beside_the_bond_graph_with_one_selection(
     desk: Any, serve: Callable[[str], str], tmp_path: Path
 ) -> None:

@@ -74,6 +74,7 @@ def test_edits_on_the_page_change_the_model_in_place_and_its_runs_are_results(
 
 
 @pytest.mark.skipif(bool(missing()), reason=missing() or "there is a browser")
+@pytest.mark.slow
 def test_the_page_in_a_cell_draws_edits_and_runs(tmp_path: Path) -> None:
     model = rc()
     studio = hb.studio(model)

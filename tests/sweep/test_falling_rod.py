@@ -15,6 +15,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import hybond as hb
 
@@ -22,6 +23,7 @@ ROD = Path(__file__).parents[2] / "examples" / "falling_rod.toml"
 THETA = 0.85
 
 
+@pytest.mark.slow
 def test_a_sweep_draws_the_boundary_between_stuck_and_sliding() -> None:
     plan = hb.Plan({"mu": "0.2:0.4:0.01", "J": "0.61:1.81:0.08"})
     table = hb.sweep(hb.load(ROD), plan, until="0.45 s", collect="sequence, first(tip.stuck)")

@@ -63,6 +63,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
+@pytest.mark.slow
 def test_a_folder_of_somebody_else(place: Path) -> None:
     before = files(place)
     if os.geteuid() != 0:
@@ -119,6 +120,7 @@ cp -r s ../s
 """
 
 
+@pytest.mark.slow
 def test_a_disk_that_is_full_then_read_only_then_large_enough(tmp_path: Path) -> None:
     if shutil.which("unshare") is None:
         pytest.skip("no unshare here to mount a small disk")

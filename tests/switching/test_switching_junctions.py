@@ -41,7 +41,7 @@ def side(m: hb.Model, name: str, kind: str, value: float) -> str:
 STATES = {"0": "c.e", "1": "l.f", "C": ".e", "I": ".f"}
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("forward", [True, False])
 @pytest.mark.parametrize(
     ("a", "b"), [p for p in itertools.product("01CI", repeat=2) if set(p) & {"0", "1"}]
@@ -185,7 +185,7 @@ def three_levels(kind: str, flipped: tuple[bool, ...], *, sugar: bool) -> hb.Mod
     return m
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("kind", ["0", "1"])
 @pytest.mark.parametrize("flipped", list(itertools.product([True, False], repeat=3)))
 def test_a_switched_power_junction_is_controlled_junctions_and_has_its_closed_form(

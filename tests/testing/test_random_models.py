@@ -245,6 +245,7 @@ def test_what_errs_by_little_from_the_beginning_need_not_fall() -> None:
     assert _by_tolerance(finding, m, 0.64, 20.0)
 
 
+@pytest.mark.slow
 def test_sizes_are_those_of_all_times_not_only_of_those_compared() -> None:
     """Near events nothing is compared. What was large there and dies out is known by that size."""
 
@@ -279,6 +280,7 @@ def test_an_error_that_stays_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> No
     assert _by_tolerance(Finding("radau", "", 1e-6), m, 1.0, 20.0)
 
 
+@pytest.mark.slow
 def test_energy_that_tolerances_do_not_resolve_is_no_finding_and_lost_energy_is(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

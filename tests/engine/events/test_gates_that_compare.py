@@ -25,6 +25,7 @@ def star(begin: float, gate: str, load: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "gate",
     [

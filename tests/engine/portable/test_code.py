@@ -83,7 +83,7 @@ def top(s: Stack) -> tuple[str, ...]:
     return (str(s.top), str(s.refused), *(str(c[s.top]) for c in columns))
 
 
-@pytest.mark.sampled(19)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_expressions_of_an_example(name: str) -> None:
     tables = tables_of(example(name).flatten(), solver="rk45")

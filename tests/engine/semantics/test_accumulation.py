@@ -43,7 +43,7 @@ def balls(*which: tuple[float, float], force: str = "0", **inputs: hb.Input) -> 
 # -- one ball
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["rk45", "radau"])
 @pytest.mark.parametrize("eps", [1e-8, 1e-6, 0.1, 0.5, 0.9])
 def test_a_ball_comes_to_rest_at_the_closed_form(eps: float, solver: str) -> None:

@@ -55,7 +55,7 @@ def meant(flow: str, laws: list[str], until: float) -> np.ndarray:
     return np.asarray(run.y[:n, -1], dtype=float)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["rk45", "radau", "auto"])
 @pytest.mark.parametrize(
     ("flow", "laws"),

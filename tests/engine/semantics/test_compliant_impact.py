@@ -55,7 +55,7 @@ def springs(row: Row, u: list[float], k: list[float], m: float) -> Array:
     return run.y[n:, -1]
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("m", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("masses", "u", "k"),

@@ -56,6 +56,7 @@ def disc(
     return m, "w1.f", "w2.f", "between.e"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(("high", "low"), [(12.0, -2.6), (15.0, -2.6), (12.0, -6.0), (20.0, -9.0)])
@@ -149,6 +150,7 @@ def test_what_slips_in_one_mode_is_held_to_its_limit_while_it_slips(
     assert abs(run[force].at(end)) == pytest.approx(limit, abs=1e-9)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize(("blocks", "rubbing"), [(1, 1), (2, 2), (6, 6), (7, 7), (8, 1)])
 @pytest.mark.parametrize("slope", [0.0, 0.5, 1.0])
@@ -172,6 +174,7 @@ def test_blocks_that_rub_are_led_from_rest_however_many_others_there_are(
     assert run["f0.e"].at(0.5) == pytest.approx(1.0 if slope else 0.0, abs=1e-9)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("weak", [12.0, 6.0, 4.0, 3.0])
 @pytest.mark.parametrize("limit", [2.0, 0.5])

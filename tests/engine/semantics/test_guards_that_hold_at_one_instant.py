@@ -56,6 +56,7 @@ def first(run: hb.Result) -> float:
     return found[0] if found else math.inf
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("x", ["C.e", "(C.e - 0.5)"])
 @pytest.mark.parametrize("guard", AT_ZERO + BELOW_ZERO)

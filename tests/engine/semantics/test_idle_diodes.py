@@ -35,6 +35,7 @@ def rectifier(phases: int, coil: float, capacitor: float, load: float) -> str:
     return "\n".join([*lines, ".end", ""])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "rk45"])
 @pytest.mark.parametrize("deck", list(DECKS))
 def test_a_bridge_whose_diodes_close_at_zero_current_runs_to_its_end(

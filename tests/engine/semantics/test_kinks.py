@@ -22,6 +22,7 @@ def filled(source: str, until: float, **options: object) -> hb.Result:
     return hb.simulate(m, until=until, **options)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(
     ("per_second", "level"), [(1.0, 0.0), (50.0, 0.9), (1000.0, 0.999), (50.0, -0.5), (3.0, 0.9999)]

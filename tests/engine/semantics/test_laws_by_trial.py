@@ -112,6 +112,7 @@ ORDERS = [
 ]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize("order", ORDERS, ids=["hold", "drain", "last"])

@@ -253,6 +253,7 @@ SHARED: list[tuple[dict[str, float], float, dict[str, float]]] = [
 ]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("law", ["coulomb", "relay"])
 @pytest.mark.parametrize(("limits", "load", "shares"), SHARED)
 def test_frictions_on_one_shaft_share_what_they_hold(
@@ -321,7 +322,7 @@ def net(seed: int, *, turned: bool) -> tuple[hb.Model, list[str]]:
     return m, [d for d, _, _ in diodes]
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(24))
 def test_a_net_of_diodes_shares_alike_in_either_order(seed: int) -> None:
     shown = []

@@ -48,6 +48,7 @@ PULSES = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", PULSES)
 @pytest.mark.parametrize("turned", [False, True])
@@ -62,6 +63,7 @@ def test_pulse_beside(name, solver, turned):
     assert r["k.f"].at(5.0) == pytest.approx(-given if turned else given, rel=1e-5)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", PULSES)
 def test_pulse_through_what_slides(name, solver):
@@ -87,6 +89,7 @@ BENT = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("law", BENT)
 def test_law_that_bends_in_one_of_the_modes(law, solver):
@@ -120,6 +123,7 @@ def test_law_that_bends_in_one_of_the_modes(law, solver):
 ON_THE_SURFACE = "(1 + 0.5*sin(3*time))"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(
     "law",

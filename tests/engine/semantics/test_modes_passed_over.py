@@ -43,6 +43,7 @@ def gates(m: hb.Model, length: int, upper: States, lower: States, start: str = "
     m.machine("low", states=lower, start="open", rules=rules)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("engine", ["python", None])
 @pytest.mark.parametrize("length", [1, 2, 4])
 def test_a_leg_of_a_source_of_voltage(length: int, engine: str | None) -> None:

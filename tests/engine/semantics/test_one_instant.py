@@ -255,6 +255,7 @@ AT_END = [
 ]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("guard", AT_END)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_an_event_at_the_end_belongs_to_the_run(guard: str, solver: str) -> None:

@@ -41,6 +41,7 @@ HELD = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("load", [2.159, 2.8])
 @pytest.mark.parametrize("shape", HELD)
 def test_friction_at_rest_is_not_brought_to_its_limit_by_a_law_that_need_not_carry(

@@ -139,7 +139,7 @@ RESTS = [
 ]
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "options", [{}, {"solver": "radau"}, {"solver": "moreau-jean", "step": 1e-3}]
 )
@@ -202,6 +202,7 @@ def growing(kind: str, rate: float) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize(
     "kind", ["damper", "behind a lever", "spring", "a force that reads", "turned over"]

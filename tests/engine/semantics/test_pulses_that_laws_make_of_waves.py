@@ -55,6 +55,7 @@ WAVES = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", WAVES)
 @pytest.mark.parametrize("turned", [False, True])
@@ -73,6 +74,7 @@ def test_mass(name: str, turned: bool, solver: str) -> None:
     assert run["k.p"].at(UNTIL) == pytest.approx(p, abs=1e-5 * size)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", WAVES)
 @pytest.mark.parametrize("start", [0.0, 1.0])
@@ -91,6 +93,7 @@ def test_tank_that_leaks(name: str, start: float, solver: str) -> None:
     assert run["c.q"].at(UNTIL) == pytest.approx(q, abs=1e-5 * most)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", WAVES)
 def test_mass_on_a_spring(name: str, solver: str) -> None:

@@ -45,6 +45,7 @@ def led(ref: str, *, mass: float = 1.0, start: float = 0.0, dual: bool = False) 
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("ref", LATE)
 @pytest.mark.parametrize(("mass", "dual"), [(1.0, False), (1e-3, False), (1e-6, True), (0.2, True)])

@@ -60,6 +60,7 @@ STEEP = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau"])
 @pytest.mark.parametrize("case", STEEP)
 def test_steep_laws_are_followed_through_zero(case: str, solver: str) -> None:

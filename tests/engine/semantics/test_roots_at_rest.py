@@ -33,7 +33,7 @@ def draining(law: str, start: float, *, dual: bool, away: bool) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("away", [True, False])
 @pytest.mark.parametrize("dual", [False, True])

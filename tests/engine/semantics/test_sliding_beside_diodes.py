@@ -34,7 +34,7 @@ def held_to(m: hb.Model, reference: str, start: str) -> None:
     )
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(("start", "i0"), [("off", 4.0), ("on", 0.5)])

@@ -149,7 +149,7 @@ def agrees(run: hb.Result, kind: str, name: str, dual: bool) -> None:
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("name", REFERENCES)
 @pytest.mark.parametrize("kind", BONDS)
-@pytest.mark.sampled(15)
+@pytest.mark.sampled(3)
 def test_a_coil_without_current_is_led_up_along_its_reference(
     kind: str, name: str, dual: bool, turned: bool, solver: str
 ) -> None:
@@ -157,6 +157,7 @@ def test_a_coil_without_current_is_led_up_along_its_reference(
     agrees(hb.simulate(m, until=UNTIL, solver=solver), kind, name, dual)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("name", ["late", "humps", "ramp"])
@@ -217,6 +218,7 @@ def test_what_stood_before_moves_in_the_modes_that_are_looked_at(
     assert run["n.e"].at(np.array([0.5, 1.5])) == pytest.approx([v0, v0 - 0.5], rel=1e-12)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("dual", [False, True])
 @pytest.mark.parametrize("turned", [False, True])
@@ -230,6 +232,7 @@ def test_a_reference_that_begins_all_but_at_zero_is_followed(
         agrees(hb.simulate(m, until=UNTIL, solver=solver), kind, "ramp", dual)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", ["late", "humps", "ramp"])
 @pytest.mark.parametrize("kind", BONDS)

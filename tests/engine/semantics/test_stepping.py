@@ -162,7 +162,7 @@ def peak_detector(source: str, r: float = 0.0) -> hb.Model:
     return m
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
 @pytest.mark.parametrize("h", [1e-6, 1e-3, 0.1, 1.0])
 @pytest.mark.parametrize("source", ["10", "10*sin(2*time)", "3*time"])

@@ -43,6 +43,7 @@ def boost(L: float, C: float, *, turned: bool = False) -> hb.Model:
     return m
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(
     ("L", "C", "step"),

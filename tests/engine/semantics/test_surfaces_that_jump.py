@@ -67,6 +67,7 @@ SAID: dict[str, tuple[str, list[float], list[float]]] = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("said", SAID)
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_level_that_a_function_of_time_makes_jump_is_left(said: str, turned: bool) -> None:

@@ -57,6 +57,7 @@ def test_two_tanks_level_out_in_finite_time(solver: str) -> None:
     assert run.audit().holds()
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("many", [3, 4, 5])
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_chain_comes_to_one_level_and_rests(solver: str, many: int) -> None:
@@ -72,6 +73,7 @@ def test_a_chain_comes_to_one_level_and_rests(solver: str, many: int) -> None:
         assert run[f"t{i}.e"].at(times) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("many", [2, 3])
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_chain_runs_empty_through_the_last_tank(solver: str, many: int) -> None:

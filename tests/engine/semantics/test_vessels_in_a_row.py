@@ -44,7 +44,7 @@ def by_scipy(many: int, power: float) -> np.ndarray:
     return np.asarray(found.y[:, -1])
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("many", [14, 6])
