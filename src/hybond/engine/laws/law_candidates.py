@@ -29,7 +29,7 @@ from hybond.engine.model import Model
 from hybond.engine.planar.planar import put_headings
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.averages import show_part
-from hybond.engine.surfaces.law_means import rests_on_mean
+from hybond.engine.surfaces.law_means import FORWARD, RESTS, rests_on_mean
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Floats
 
@@ -158,17 +158,21 @@ def leap_candidate(e: Engine, r: Laws, x: Floats, signals: Floats) -> int:
 def carries_as_it_may(e: Engine, r: Laws) -> bool:
     """Whether the impulses of the trial are such as its laws carry in the branches tried.
 
-    A contact pushes; what is open stops nothing that closes it; dry friction has no impulses, and
-    what rebounds has an impact of its own.
+    A contact pushes; what is open stops nothing that closes it; dry friction pushes with none, and
+    is dragged the way it slips only; what rebounds has an impact of its own.
     """
     m = e.model
     for k in range(m.ports):
+        slips = r.candidate[m.port_machine[k]]
         for part in range(2):
             total = impulse_of(e, k, part, CARRIES)
             if total == 0.0:
                 continue
             if part == 0 and (m.port_restitution[k] != NO_LAW_VALUE or total < 0.0):
                 if m.port_two_sided[k] == 0:
+                    return False
+            if part == 0 and m.port_two_sided[k] != 0:
+                if slips == RESTS or (total > 0.0) != (slips == FORWARD):
                     return False
             if part == 1 and (m.port_two_sided[k] != 0 or (total > 0.0 and r.able[k] != 0)):
                 return False

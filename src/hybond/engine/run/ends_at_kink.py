@@ -37,6 +37,7 @@ from hybond.engine.run.kinks_passed import (
     has_passed,
     is_crowded,
     is_in_vain,
+    see_jump,
     stuck_at_kink,
 )
 from hybond.engine.run.log import report_step
@@ -173,6 +174,8 @@ def meet_kink(e: Engine, r: Run, at: float) -> int:
     g = r.locator
     kink = last_before_kink(e, g, at)
     ahead = kink_there(e, g)
+    if ahead != NONE and not r.told:
+        see_jump(e, r, at)  # where the guard was found, the kink was not there yet
     if e.model.laws > 0:
         see_before_kink(e, r, at)
     if end_short_of_kink(e, r, at) != OK:

@@ -8,9 +8,10 @@ times the size of the state, falls apart into a real and a complex one.
 import math
 from typing import Final
 
-from hybond.engine.algebra.products import all_finite, copy_floats
+from hybond.engine.algebra.products import all_finite, copy_floats, copy_part
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.engine import NOT_FINITE, OK, Engine
+from hybond.engine.methods.explicit.one_instant import jump_lies_between
 from hybond.engine.methods.implicit.radau_factors import solve_stages
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.methods.implicit.rates_in_stages import rates_left
@@ -159,7 +160,7 @@ def mean_size(n: int, rows: int, x: Floats, unit: Floats) -> float:
 
 
 def swing_within(r: Radau, other: bool) -> bool:
-    """Whether stages swing about where they should be, within the tolerance; then they go there.
+    """Whether stages swing about where they should be, within the tolerance.
 
     A state that a law like a root has brought to rest is led past zero by any slope that is less
     than without bound, to and fro, however short the step.
@@ -172,13 +173,28 @@ def swing_within(r: Radau, other: bool) -> bool:
             unit = r.other[i] if other else r.tolerance[i]
             small = math.fabs(r.last[k]) <= ENOUGH * unit
             back = back and (small or r.last[k] * r.swung[k] < 0.0)
-    if not back:
-        return False
-    for k in range(3 * n):
+    return back
+
+
+def swing_over_jump(e: Engine, r: Radau) -> bool:
+    """Whether the last stage swings over a kink that is no root: a law may jump there.
+
+    It is held between its two sides by nothing: the step ends at the kink, or is made shorter.
+    """
+    n = r.n
+    copy_part(n, r.y, 2 * n, r.stage, 0)
+    for i in range(n):
+        r.end[i] = r.stage[i] - r.last[2 * n + i]
+    return jump_lies_between(e, r.t1, r.stage, r.end)
+
+
+def halve_swing(r: Radau) -> int:
+    """Put stages that swing between where they were and are."""
+    for k in range(3 * r.n):
         r.z[k] -= 0.5 * r.last[k]
     place_stages(r)
     r.swings = True
-    return True
+    return STAGES_CONVERGED
 
 
 def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
@@ -235,8 +251,8 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
             r.size = mean_size(n, 3, r.last, r.other)
         if count > 1:
             r.rate = r.size / before if before > 0.0 else 0.0
-            if swing_within(r, other):
-                return STAGES_CONVERGED
+            if swing_within(r, other) and not swing_over_jump(e, r):
+                return halve_swing(r)
             if found_all and not r.rate < STILL_SWINGS:
                 # what is left of rates is rounding
                 return STAGES_CONVERGED

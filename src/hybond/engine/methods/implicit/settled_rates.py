@@ -18,6 +18,7 @@ from hybond.engine.algebra.blocks import fit, fit_places
 from hybond.engine.algebra.products import copy_floats, copy_part
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
+from hybond.engine.methods.explicit.one_instant import jump_lies_between
 from hybond.engine.methods.implicit.from_edges import end_stages
 from hybond.engine.methods.implicit.radau_factors import BUTCHER_INVERSE
 from hybond.engine.methods.implicit.radau_room import Radau
@@ -46,7 +47,8 @@ AGREE: Final = 0.1
 def settle_rates(e: Engine, r: Radau, rtol: float) -> bool:
     """Correct the stages until rates there are those that they move by; True where that helped.
 
-    Those at the end of the step, of the stages as they are, are in ``r.end``.
+    Those at the end of the step, of the stages as they are, are in ``r.end``. Behind a jump of a
+    law they are others: the step is to end there.
     """
     m = e.model
     if m.begins == 0 or m.bends > 0.0 or e.slide.k > 0:
@@ -54,7 +56,7 @@ def settle_rates(e: Engine, r: Radau, rtol: float) -> bool:
     n = r.n
     say_what_may(e, r)
     take_apart(e, r)
-    if r.parts == 0:
+    if r.parts == 0 or goes_over_jump(e, r):
         return False
     join(r)
     if r.parts > MOST:
@@ -87,6 +89,12 @@ def settle_rates(e: Engine, r: Radau, rtol: float) -> bool:
     # of a tank that stands all but empty is no matter
     r.swings = left > 1.0 and m.edges == 0
     return True
+
+
+def goes_over_jump(e: Engine, r: Radau) -> bool:
+    """Whether a kink that is no root lies between where the step begins and where it ends."""
+    copy_part(r.n, r.y, 2 * r.n, r.shifted, 0)
+    return jump_lies_between(e, r.t1, r.y0, r.shifted)
 
 
 def take_apart(e: Engine, r: Radau) -> None:
