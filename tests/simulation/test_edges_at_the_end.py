@@ -4,6 +4,8 @@
 run ends: one instant. Oracles are counts of edges and half C U^2 for each of them.
 """
 
+from typing import Literal
+
 import pytest
 
 import hybond as hb
@@ -88,3 +90,17 @@ def test_two_clocks_at_the_end() -> None:
     run = hb.simulate(m, 100 * T)
     assert run.mode == {"S": "high", "slow": "high"}
     assert run.t_end == 100 * T
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
+@pytest.mark.parametrize("beyond", [1e-13, 1e-12, 1e-11])
+def test_what_moves_within_a_last_instant_is_no_energy(
+    beyond: float, solver: Literal["auto", "radau", "rk45"]
+) -> None:
+    m = hb.Model("late")
+    m.add(s=hb.Se("5*floor(time/1.2)"), j=hb.One(), i=hb.I(2.0), r=hb.R(3.0))
+    m.bond("s -> j", "j -> i", "j -> r")
+    run = hb.simulate(m, 1.2 + beyond, solver=solver)
+    assert run.status == "ok"
+    # the time itself has no more digits
+    assert run["i.f"].at(run.t_end) == pytest.approx(2.5 * (run.t_end - 1.2), abs=2e-15)
