@@ -76,3 +76,19 @@ def test_friction_slips_no_way_but_its_own_where_a_sign_has_no_value(
     with pytest.raises(hb.NumericsError, match="HB-N301") as said:
         hb.simulate(model, 1e-4)
     assert "r" in str(said.value)
+
+
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_where_no_law_holds_it_the_sign_is_refused_though_a_diode_switches_each_time(
+    solver: Literal["auto", "radau", "rk45"], rtol: float
+) -> None:
+    """Events of the diode came ever faster, which was told as their accumulation."""
+    model = hb.Model("turns")
+    model.add(w=hb.One(), i=hb.I(0.67, p=-0.03), r=hb.R({"e": "1.04*sign(f)"}))
+    model.add(u=hb.GY(-0.726), v=hb.One(law="diode"), d=hb.R(0.44))
+    model.bond("w -> i", "r -> w", "u.2 -> w", "u.1 -> v", "d -> v")
+    with pytest.raises(hb.NumericsError, match="HB-N410") as said:
+        hb.simulate(model, 1.0, solver=solver, rtol=rtol)
+    assert "at r" in str(said.value)
