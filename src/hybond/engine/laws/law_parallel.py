@@ -50,7 +50,6 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     n = e.model.ports
     idle = False
     resting = 0
-    contacts = False
     r.left = 0
     for k in range(n):
         r.shares[k] = 0
@@ -60,12 +59,11 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
         r.idle[k] = 1 if is_idle(r, k, n, q, h) else 0
         idle = idle or r.idle[k] != 0
         resting += 1 if holds_still(e.model, r, k) else 0
-        contacts = contacts or r.role[k] == ONE_SIDED
     if idle:
         level = 0
         while level < SIZES and share_out(e, r, q, h, False) and take_shares(r, n):
             level += 1
-    if resting > 1 and not jump and not contacts and share_out(e, r, q, h, True):
+    if resting > 1 and not jump and share_out(e, r, q, h, True):
         take_rests(e, r)
     if jump:
         r.left = 0
