@@ -182,11 +182,18 @@ def take_shares(r: Laws, n: int) -> bool:
             clear = True
     for k in range(n):
         r.share_l[k] = x.values.at[k] if x.high.at[k] > x.low.at[k] else r.share_l[k]
-        if r.role[k] == ONE_SIDED and (x.open.at[k] != 0 or x.open.at[n + k] != 0):
-            r.shares[k] = 1
-            common = k if r.now.given[k] == COMMON else n + k
-            r.branch[k] = 1 if x.values.at[common] > 0.0 else 0
+        if r.role[k] == ONE_SIDED:
+            take_share(r, k, n)
     return clear
+
+
+def take_share(r: Laws, k: int, n: int) -> None:
+    """Let a one-sided law be ON if its share was open and there is one, OFF if there is none."""
+    x = r.room
+    if x.open.at[k] != 0 or x.open.at[n + k] != 0:
+        r.shares[k] = 1
+        common = k if r.now.given[k] == COMMON else n + k
+        r.branch[k] = 1 if x.values.at[common] > 0.0 else 0
 
 
 def take_rests(e: Engine, r: Laws) -> None:
@@ -205,6 +212,8 @@ def take_rests(e: Engine, r: Laws) -> None:
             r.branch[k] = 0
             if not math.fabs(x.values.at[at]) < x.high.at[at]:
                 r.branch[k] = 1 if x.values.at[at] < 0.0 else -1
+        elif r.role[k] == ONE_SIDED:
+            take_share(r, k, n)
 
 
 def net_at(r: Laws, k: int, n: int) -> int:
@@ -216,7 +225,16 @@ def may_move(m: Model, r: Laws, k: int, rubs: bool) -> bool:
     """Whether the `l` of a port may differ between answers in which it does what it does."""
     if rubs and holds_still(m, r, k):
         return r.now.given[k] != COMMON
-    return r.role[k] == SHUT or (not rubs and is_active(r, k))
+    return r.role[k] == SHUT or (is_active(r, k) and not (rubs and is_pressed(r, k)))
+
+
+def is_pressed(r: Laws, k: int) -> bool:
+    """Whether a limit of friction follows what a port gives."""
+    p = r.problem
+    for j in range(p.n):
+        if p.sloped[j] != 0 and p.slope[j * p.n + k] != 0.0:
+            return True
+    return False
 
 
 def is_active(r: Laws, k: int) -> bool:
