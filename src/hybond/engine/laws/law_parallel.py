@@ -8,9 +8,9 @@ Of these answers the one of least leakage is taken, no law giving less than noth
 take equal shares, whatever they are called and in whichever order they are declared. Laws that
 have a share there are ON, the others OFF, and the mode then leaves open how they share.
 
-Friction at rest shares what it holds in the same way, no law beyond its limit; beside contacts it
-is left as it is, for whether they hold decides what slides with what. So is friction that holds
-more at rest than in motion where its share would come to its limit: what breaks loose is decided
+Friction at rest shares what it holds in the same way, no law beyond its limit, and with it what
+carries beside it, unless a limit of friction follows that. Friction that holds more at rest than
+in motion is left as it is where its share would come to its limit: what breaks loose is decided
 elsewhere.
 
 What a closed switch or a wire carries is not asked for: a diode beside it carries nothing.
