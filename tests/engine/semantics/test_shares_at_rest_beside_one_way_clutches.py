@@ -1,4 +1,4 @@
-"""Clutches and a brake hold two shafts at rest beside a one-way clutch: none of them fights another.
+"""Clutches and a brake hold two shafts at rest beside a one-way clutch: none fights another.
 
 Friction that came to rest was left at its limit against friction beside it as soon as any one-way
 law took part, and the run told nobody that the shares are open: brakes changed what they hold when
