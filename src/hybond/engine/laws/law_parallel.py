@@ -8,9 +8,9 @@ Of these answers the one of least leakage is taken, no law giving less than noth
 take equal shares, whatever they are called and in whichever order they are declared. Laws that
 have a share there are ON, the others OFF, and the mode then leaves open how they share.
 
-Friction at rest shares what it holds in the same way, no law beyond its limit; beside contacts it
-is left as it is, for whether they hold decides what slides with what. So is friction that holds
-more at rest than in motion where its share would come to its limit: what breaks loose is decided
+Friction at rest shares what it holds in the same way, no law beyond its limit, and with it what
+carries beside it, unless a limit of friction follows that. Friction that holds more at rest than
+in motion is left as it is where its share would come to its limit: what breaks loose is decided
 elsewhere.
 
 What a closed switch or a wire carries is not asked for: a diode beside it carries nothing.
@@ -50,7 +50,6 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
     n = e.model.ports
     idle = False
     resting = 0
-    contacts = False
     r.left = 0
     for k in range(n):
         r.shares[k] = 0
@@ -60,12 +59,11 @@ def find_shares(e: Engine, r: Laws, q: Floats, h: float, jump: bool) -> bool:
         r.idle[k] = 1 if is_idle(r, k, n, q, h) else 0
         idle = idle or r.idle[k] != 0
         resting += 1 if holds_still(e.model, r, k) else 0
-        contacts = contacts or r.role[k] == ONE_SIDED
     if idle:
         level = 0
         while level < SIZES and share_out(e, r, q, h, False) and take_shares(r, n):
             level += 1
-    if resting > 1 and not jump and not contacts and share_out(e, r, q, h, True):
+    if resting > 1 and not jump and share_out(e, r, q, h, True):
         take_rests(e, r)
     if jump:
         r.left = 0
@@ -184,11 +182,18 @@ def take_shares(r: Laws, n: int) -> bool:
             clear = True
     for k in range(n):
         r.share_l[k] = x.values.at[k] if x.high.at[k] > x.low.at[k] else r.share_l[k]
-        if r.role[k] == ONE_SIDED and (x.open.at[k] != 0 or x.open.at[n + k] != 0):
-            r.shares[k] = 1
-            common = k if r.now.given[k] == COMMON else n + k
-            r.branch[k] = 1 if x.values.at[common] > 0.0 else 0
+        if r.role[k] == ONE_SIDED:
+            take_share(r, k, n)
     return clear
+
+
+def take_share(r: Laws, k: int, n: int) -> None:
+    """Let a one-sided law be ON if its share was open and there is one, OFF if there is none."""
+    x = r.room
+    if x.open.at[k] != 0 or x.open.at[n + k] != 0:
+        r.shares[k] = 1
+        common = k if r.now.given[k] == COMMON else n + k
+        r.branch[k] = 1 if x.values.at[common] > 0.0 else 0
 
 
 def take_rests(e: Engine, r: Laws) -> None:
@@ -207,6 +212,8 @@ def take_rests(e: Engine, r: Laws) -> None:
             r.branch[k] = 0
             if not math.fabs(x.values.at[at]) < x.high.at[at]:
                 r.branch[k] = 1 if x.values.at[at] < 0.0 else -1
+        elif r.role[k] == ONE_SIDED:
+            take_share(r, k, n)
 
 
 def net_at(r: Laws, k: int, n: int) -> int:
@@ -218,7 +225,16 @@ def may_move(m: Model, r: Laws, k: int, rubs: bool) -> bool:
     """Whether the `l` of a port may differ between answers in which it does what it does."""
     if rubs and holds_still(m, r, k):
         return r.now.given[k] != COMMON
-    return r.role[k] == SHUT or (not rubs and is_active(r, k))
+    return r.role[k] == SHUT or (is_active(r, k) and not (rubs and is_pressed(r, k)))
+
+
+def is_pressed(r: Laws, k: int) -> bool:
+    """Whether a limit of friction follows what a port gives."""
+    p = r.problem
+    for j in range(p.n):
+        if p.sloped[j] != 0 and p.slope[j * p.n + k] != 0.0:
+            return True
+    return False
 
 
 def is_active(r: Laws, k: int) -> bool:
