@@ -15,7 +15,8 @@ from typing import Final
 from hybond.engine.algebra.rounding import AT_KINK
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.guards.guard_values import atom_at, put_on_constraints
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import atom_at, put_on_constraints, terms_here
 from hybond.engine.guards.locator import NONE
 from hybond.engine.guards.together import before_kink
 from hybond.engine.inputs.interval import moment
@@ -73,7 +74,7 @@ def on_this_side(e: Engine, r: Run, before: float) -> float:
 
     What is compared may depend on the motion. The step that was repeated to end at the kink comes
     to it a little sooner than the longer one did, which has told where it is: at `before` it may be
-    beyond by no more than rounding, which does not tell, but what jumps there has jumped.
+    beyond, or away from it by rounding that does not tell, but what jumps there has jumped.
     """
     g = r.locator
     k = r.kink_guard
@@ -85,7 +86,8 @@ def on_this_side(e: Engine, r: Run, before: float) -> float:
     doubled = 0
     hold_guess(e, e.mode)
     here = atom_at(e, g, first, max(before, e.step.t0))
-    while not side * here > 0.0 and doubled < DOUBLED and before > e.step.t0:
+    dust = ROUNDING * terms_here(e, g, k, first)
+    while not side * here > dust and doubled < DOUBLED and before > e.step.t0:
         way = 2.0 * way
         doubled += 1
         before = e.step.t1 - way
