@@ -15,7 +15,9 @@ from typing import Final
 from hybond.engine.algebra.rounding import AT_KINK
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.guards.guard_values import put_on_constraints
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import atom_at, put_on_constraints, terms_here
+from hybond.engine.guards.locator import NONE
 from hybond.engine.guards.together import before_kink
 from hybond.engine.inputs.interval import moment
 from hybond.engine.jumps.jump import on_constraints
@@ -23,11 +25,14 @@ from hybond.engine.jumps.tied import put_tied
 from hybond.engine.methods.stepping import between, step
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.values import evaluate, field
 
 JUMPED: Final = 1e-9
 """Part of what a storage may hold by which constraints on both sides of a kink differ at least."""
+DOUBLED: Final = 16
+"""Times that the way back to before a kink is doubled."""
 LONGER: Final = 4.0
 """Over so many times the time, what moves but does not jump is so many times as far apart, ..."""
 JUMPS: Final = 0.75
@@ -43,7 +48,7 @@ def jumps_onto_storage(e: Engine, r: Run, at: float) -> bool:
         return False
     many = e.states
     refusal = e.refusal
-    before = before_kink(e, r.locator, at) - moment(e.model, e.t)
+    before = on_this_side(e, r, before_kink(e, r.locator, at) - moment(e.model, e.t))
     # a step may be shorter than a moment: its polynomial says nothing of what was before it
     between(e, max(before, e.step.t0), r.rate)
     for i in range(many):
@@ -62,6 +67,34 @@ def jumps_onto_storage(e: Engine, r: Run, at: float) -> bool:
     e.t = e.step.t1
     e.early = min(e.early, before)
     return True
+
+
+def on_this_side(e: Engine, r: Run, before: float) -> float:
+    """Return a time, `before` or sooner, at which the step has not come to the kink that ended it.
+
+    What is compared may depend on the motion. The step that was repeated to end at the kink comes
+    to it a little sooner than the longer one did, which has told where it is: at `before` it may be
+    beyond, or away from it by rounding that does not tell, but what jumps there has jumped.
+    """
+    g = r.locator
+    k = r.kink_guard
+    if k == NONE:
+        return before
+    first = g.atom_first[k]
+    side = float(g.side[k])
+    way = e.step.t1 - before
+    doubled = 0
+    hold_guess(e, e.mode)
+    here = atom_at(e, g, first, max(before, e.step.t0))
+    dust = ROUNDING * terms_here(e, g, k, first)
+    while not side * here > dust and doubled < DOUBLED and before > e.step.t0:
+        way = 2.0 * way
+        doubled += 1
+        before = e.step.t1 - way
+        here = atom_at(e, g, first, max(before, e.step.t0))
+    give_back_guess(e, e.mode)
+    g.looked = math.nan
+    return before
 
 
 def jumps_at_once(e: Engine, r: Run) -> bool:
