@@ -125,3 +125,21 @@ def test_a_ball_whose_contact_has_a_state_before_it_comes_to_rest(
     assert run.status == "ok"
     assert run["v.f"].at(3.0) == pytest.approx(0.0, abs=1e-12)
     assert run["x"].at(3.0) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_what_is_put_back_onto_its_own_threshold_is_refused_soon(solver: Solver) -> None:
+    m = hb.Model("onto")
+    m.add(z=hb.Zero(), s=hb.Sf(-1.0), c=hb.C(0.5), w=hb.One(), g=hb.Se(-1.2))
+    m.bond("s -> z", "z -> c", "g -> w", "w -> z")
+    rules = [
+        "on -> up when c.q < -0.6",
+        "up -> put when c.q < 1",
+        "put -> on when pre(A.state == 'put')",
+    ]
+    m.machine("A", states={"on": [], "up": [], "put": ["w"]}, start="on", rules=rules)
+    with pytest.raises(hb.NumericsError, match="HB-N404") as said:
+        hb.simulate(m, 6.0, solver=solver)
+    assert said.value.partial is not None
+    assert len(said.value.partial.events) < 20_000
+    assert said.value.partial.t_end == pytest.approx(0.6, abs=1e-6)
