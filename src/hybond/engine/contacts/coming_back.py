@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from hybond.engine.algebra.products import copy_places
 from hybond.engine.contacts.accumulation import SOONEST, room_of, tick_of
 from hybond.engine.contacts.landing_records import Landings, in_force
 from hybond.engine.engine import OK, Engine
@@ -20,10 +21,10 @@ from hybond.engine.guards.guard_values import (
     measure_in_motion,
 )
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import begin_field, evaluate, field
 
-ANY_STATE: Final = -1
 MOMENT: Final = 10.0
 """How long the motion is followed, in the time in which impacts may end."""
 
@@ -31,39 +32,23 @@ MOMENT: Final = 10.0
 def comes_back(e: Engine, g: Landings, k: int) -> bool:
     """Whether an impact follows on this one while all others that are chosen rest.
 
-    Where nothing tells, it does: a law's own contact. One that is entered by way of other states,
-    or of other machines, may be if anything happens.
+    Where nothing tells, it does: a law's own contact, and what goes on without end.
     """
     m = e.model
     contact = g.touch_contact[k]
     machine = m.contact_machine[contact]
     target = m.contact_state[contact]
-    free = e.state[machine]
     if m.is_law[machine] != 0:
         return True
-    direct = False
-    led = False
-    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        if m.rule_source[r] == free and m.rule_target[r] == target:
-            direct = True
-            led = led or m.rule_watched[r] == 0
-    rest = g.state[machine]
-    g.state[machine] = free
-    moves = follow(e, g)
-    found = not moves
-    if direct and not led:
-        found = found or meets(e, g, machine, target)
-    else:
-        for other in range(m.machines):
-            found = found or meets(e, g, other, ANY_STATE)
-    g.state[machine] = rest
-    return found
+    copy_places(m.machines, g.state, 0, g.ahead, 0)
+    g.ahead[machine] = e.state[machine]
+    return not follow(e, g) or leads_to(e, g, machine, target)
 
 
 def follow(e: Engine, g: Landings) -> bool:
     """Put where the motion leads in a moment into `g.at_rest`; False if nothing tells."""
     n = e.states
-    if mode_of(e, g.state) != OK or combine_here(e, g.state) != OK:
+    if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
         return False
     begin_field(e, e.mode)
     h = max(MOMENT * room_of(e.t, e.span), SOONEST * e.span)
@@ -72,30 +57,60 @@ def follow(e: Engine, g: Landings) -> bool:
         h = 0.5 * (e.next_break - e.t)
     if not h > tick_of(e.t, e.span):
         return False
+    g.ahead_t = e.t + h
     if field(e, e.mode, e.t, e.y, g.rate1) != OK:
         return False
     for j in range(n):
         g.at_rest[j] = e.y[j] + h * g.rate1[j]
-    if field(e, e.mode, e.t + h, g.at_rest, g.rate2) != OK:
+    if field(e, e.mode, g.ahead_t, g.at_rest, g.rate2) != OK:
         return False
     for j in range(n):
         g.at_rest[j] = e.y[j] + 0.5 * h * (g.rate1[j] + g.rate2[j])
-    return evaluate(e, e.mode, e.v, e.t + h, g.at_rest) == OK
+    return evaluate(e, e.mode, e.v, g.ahead_t, g.at_rest) == OK
 
 
-def meets(e: Engine, g: Landings, machine: int, target: int) -> bool:
-    """Whether a rule of a machine leads to a state, or to any, at the values ``e.v``."""
+def leads_to(e: Engine, g: Landings, machine: int, target: int) -> bool:
+    """Whether rules lead a machine to a state there, by way of others as well.
+
+    What is stored is as it is there: where a state on the way would change that, nothing tells.
+    """
+    m = e.model
+    for _ in range(m.state_first[m.machines]):
+        if not take_rules(e, g):
+            return False
+        if g.ahead[machine] == target:
+            return True
+        if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
+            return True
+        if is_constrained(e.mode):
+            return True
+        if evaluate(e, e.mode, e.v, g.ahead_t, g.at_rest) != OK:
+            return True
+    return True
+
+
+def take_rules(e: Engine, g: Landings) -> bool:
+    """Take the first rule of each machine that holds at the values ``e.v``; whether any does.
+
+    Machines that are put to rest stay there, and laws go on as they are.
+    """
     m = e.model
     stack = e.work.stack
     begin_sizes_in_motion(e)
     ask_in_motion(e)
-    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        if m.rule_source[r] != g.state[machine] or m.rule_watched[r] == 0:
+    some = False
+    for k in range(m.machines):
+        g.fired[k] = -1
+        if m.is_law[k] != 0 or (g.ahead[k] == g.state[k] and g.state[k] != e.state[k]):
             continue
-        if target != ANY_STATE and m.rule_target[r] != target:
-            continue
-        if in_force(m, g, machine, r):
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            if g.fired[k] >= 0 or m.rule_source[r] != g.ahead[k] or not in_force(m, g, k, r):
+                continue
             measure_in_motion(e, r)
             if holds(m, r, stack):
-                return True
-    return False
+                g.fired[k] = m.rule_target[r]
+                some = True
+    for k in range(m.machines):
+        if g.fired[k] >= 0:
+            g.ahead[k] = g.fired[k]
+    return some
