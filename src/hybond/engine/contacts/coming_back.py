@@ -8,13 +8,16 @@ falls back into it.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_places
+from hybond.engine.answers import value
 from hybond.engine.contacts.accumulation import SOONEST, room_of, tick_of
 from hybond.engine.contacts.landing_records import Landings, in_force
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
+from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import (
     ask_in_motion,
     begin_sizes_in_motion,
@@ -25,6 +28,8 @@ from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import begin_field, evaluate, field
 
+AT_FLOOR: Final = 2.0
+"""Roundings off its bound at which what is compared is there: it is located one beyond."""
 MOMENT: Final = 10.0
 """How long the motion is followed, in the time in which impacts may end."""
 
@@ -40,9 +45,20 @@ def comes_back(e: Engine, g: Landings, k: int) -> bool:
     target = m.contact_state[contact]
     if m.is_law[machine] != 0:
         return True
-    copy_places(m.machines, g.state, 0, g.ahead, 0)
+    g.touch_hidden[k] = 0.0
+    look_ahead(e, g, machine)
+    if not follow(e, g):
+        return True
+    if not leads_to(e, g, machine, target):
+        return False
+    g.touch_hidden[k] = hidden_flight(e, g, machine, target)
+    return True
+
+
+def look_ahead(e: Engine, g: Landings, machine: int) -> None:
+    """Let the mode that is looked at be the one at rest, but for a machine that is as it is now."""
+    copy_places(e.model.machines, g.state, 0, g.ahead, 0)
     g.ahead[machine] = e.state[machine]
-    return not follow(e, g) or leads_to(e, g, machine, target)
 
 
 def follow(e: Engine, g: Landings) -> bool:
@@ -87,6 +103,35 @@ def leads_to(e: Engine, g: Landings, machine: int, target: int) -> bool:
         if evaluate(e, e.mode, e.v, g.ahead_t, g.at_rest) != OK:
             return True
     return True
+
+
+def hidden_flight(e: Engine, g: Landings, machine: int, target: int) -> float:
+    """Return how long a flight is that rounding hides from the rules that lead back.
+
+    Where something is, is compared with where the floor is, and has the rounding of that: at 5 m a
+    rebound of 1e-15 m is none, however high those before have been. A flight rises by a quarter of
+    what it would if it went on as it begins, with the rates in ``g.rate1``.
+    """
+    m = e.model
+    longest = 0.0
+    look_ahead(e, g, machine)
+    if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
+        return longest
+    h = g.ahead_t - e.t
+    for j in range(e.states):
+        g.at_rest[j] = e.y[j] + h * g.rate1[j]
+    known = evaluate(e, e.mode, g.v, e.t, e.y) == OK
+    known = known and evaluate(e, e.mode, e.v, e.t, g.at_rest) == OK
+    for r in range(m.rule_first[machine], m.rule_first[machine + 1] if known else 0):
+        if m.rule_source[r] != e.state[machine] or m.rule_target[r] != target:
+            continue
+        for a in range(m.atom_first[r], m.atom_first[r + 1]):
+            near = ROUNDING * math.fabs(value(m, m.atom_size[a], g.v))
+            here = value(m, m.atom_value[a], g.v)
+            moved = math.fabs(value(m, m.atom_value[a], e.v) - here)
+            if math.fabs(here) <= AT_FLOOR * near and moved > 0.0:
+                longest = max(longest, 4.0 * near * h / moved)
+    return longest
 
 
 def take_rules(e: Engine, g: Landings) -> bool:

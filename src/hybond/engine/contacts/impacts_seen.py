@@ -90,6 +90,7 @@ def touch(e: Engine, g: Landings, machine: int, begins: bool) -> None:
     g.touch_gap[g.touches] = e.t - g.since[machine]
     g.touch_approach[g.touches] = approach
     g.touch_rebound[g.touches] = rebound
+    g.touch_hidden[g.touches] = 0.0
     g.touches += 1
     note_impact(g, machine, e.t, approach)
     known = True

@@ -74,11 +74,10 @@ CHATTERS: Final = 1
 NO_TIME: Final = 2
 """No time passes between many of them."""
 SLOW: Final = 1e-3
-LIVELY: Final = 10.0
 FADING: Final = 1000.0
-"""A rebound at half the speed of the approach or more is looked at more closely if the last flight
-was shorter than LIVELY times the time room; a slower one if it is below the part SLOW of the
-fastest approach, or if the last flight was shorter than FADING times the time room."""
+"""A rebound is looked at more closely if the last flight was shorter than FADING times the time
+room; one at less than half the speed of the approach also if it is below the part SLOW of the
+fastest approach."""
 
 
 def land_contacts(e: Engine, s: Settling, i: Instant) -> int:
@@ -125,12 +124,10 @@ def worth_trying(e: Engine, g: Landings, k: int) -> bool:
         closed = closed and found
     if closed:
         return False  # it closed without our help
-    room = room_of(e.t, e.span)
-    if g.touch_rebound[k] >= 0.5 * g.touch_approach[k]:
-        # it flies about as long as before
-        return g.touch_gap[k] <= LIVELY * room
-    slow = g.touch_rebound[k] <= SLOW * g.speed[machine]
-    return slow or g.touch_gap[k] <= FADING * room
+    # one that rebounds at half its speed or more flies about as long as before
+    lively = g.touch_rebound[k] >= 0.5 * g.touch_approach[k]
+    slow = not lively and g.touch_rebound[k] <= SLOW * g.speed[machine]
+    return slow or g.touch_gap[k] <= FADING * room_of(e.t, e.span)
 
 
 def would_rest(e: Engine, g: Landings) -> bool:
@@ -216,7 +213,7 @@ def flight_over(e: Engine, g: Landings, k: int) -> bool:
     left = flight / (1.0 - ratio) if ratio < 1.0 else math.inf
     if told:
         left = max(left, g.limit_left)
-    if left > room or peak > POSITION * g.flight[machine]:
+    if flight > g.touch_hidden[k] and (left > room or peak > POSITION * g.flight[machine]):
         return False
     if not told:
         g.limit_t = e.t + left

@@ -42,6 +42,8 @@ class Landings:
     touch_gap: Floats
     touch_approach: Floats
     touch_rebound: Floats
+    touch_hidden: Floats
+    """How long a flight is that rounding hides."""
     chosen: Ints
 
     # before the event: the state, the mode, and what is constant in the interval
@@ -125,6 +127,7 @@ def make_landings(m: Model) -> Landings:
     g.touch_gap = floats(m.machines)
     g.touch_approach = floats(m.machines)
     g.touch_rebound = floats(m.machines)
+    g.touch_hidden = floats(m.machines)
     g.chosen = ints(m.machines)
     g.before = floats(n)
     g.before_laws = floats(n)
