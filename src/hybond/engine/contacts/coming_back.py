@@ -30,28 +30,25 @@ MOMENT: Final = 10.0
 def comes_back(e: Engine, g: Landings, k: int) -> bool:
     """Whether an impact follows on this one while all others that are chosen rest.
 
-    Where nothing tells, it does: a law's own contact, one that is entered by way of other states.
+    Where nothing tells, it does, as of a law's own contact. It does not where no rule leads back,
+    as of a switch that has filled a capacitor for good, or only one that waits for an instant.
     """
     m = e.model
     contact = g.touch_contact[k]
     machine = m.contact_machine[contact]
-    target = m.contact_state[contact]
     free = e.state[machine]
     if m.is_law[machine] != 0:
         return True
-    direct = False
-    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        if m.rule_source[r] == free and m.rule_target[r] == target:
-            if m.rule_watched[r] == 0:
-                return True
-            direct = True
-    if not direct:
-        return True
+    some = False
+    for p in range(m.back_first[contact], m.back_first[contact + 1]):
+        some = some or m.rule_source[m.back_rule[p]] == free
+    if not some:
+        return False
     rest = g.state[machine]
     g.state[machine] = free
-    moves = follow(e, g)
+    found = not follow(e, g) or meets(e, g, contact)
     g.state[machine] = rest
-    return not moves or meets(e, g, machine, target)
+    return found
 
 
 def follow(e: Engine, g: Landings) -> bool:
@@ -74,17 +71,45 @@ def follow(e: Engine, g: Landings) -> bool:
     return evaluate(e, e.mode, e.v, e.t + h, g.at_rest) == OK
 
 
-def meets(e: Engine, g: Landings, machine: int, target: int) -> bool:
-    """Whether a rule of a machine leads to a state at the values ``e.v``."""
+def meets(e: Engine, g: Landings, contact: int) -> bool:
+    """Whether a rule leads a machine on its way back to a contact at the values ``e.v``.
+
+    What asks for states of other machines alone may hold as soon as one of these goes on.
+    """
     m = e.model
-    stack = e.work.stack
+    machine = m.contact_machine[contact]
     begin_sizes_in_motion(e)
     ask_in_motion(e)
-    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        if m.rule_source[r] != e.state[machine] or m.rule_target[r] != target:
+    for p in range(m.back_first[contact], m.back_first[contact + 1]):
+        r = m.back_rule[p]
+        if m.rule_source[r] != g.state[machine]:
             continue
-        if in_force(m, g, machine, r):
-            measure_in_motion(e, r)
-            if holds(m, r, stack):
+        if m.rule_watched[r] == 0:
+            if others_go_on(e, g, machine):
+                return True
+        elif holds_here(e, g, machine, r):
+            return True
+    return False
+
+
+def others_go_on(e: Engine, g: Landings, machine: int) -> bool:
+    """Whether another machine goes on at the values ``e.v``; of the law of a junction it may be."""
+    m = e.model
+    for k in range(m.machines):
+        if k == machine:
+            continue
+        if m.is_law[k] != 0:
+            return True
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            here = m.rule_source[r] == g.state[k] and m.rule_watched[r] != 0
+            if here and holds_here(e, g, k, r):
                 return True
     return False
+
+
+def holds_here(e: Engine, g: Landings, machine: int, rule: int) -> bool:
+    """Whether a rule of a machine is in force and holds at the values ``e.v``."""
+    if not in_force(e.model, g, machine, rule):
+        return False
+    measure_in_motion(e, rule)
+    return holds(e.model, rule, e.work.stack)
