@@ -30,9 +30,21 @@ def shut_once(
     """Return storage with a loss at a source behind a switch; its intake is counted as `taken`."""
     m = hb.Model("shut once")
     if dual:
-        m.add(still=hb.Sf(source), sw=hb.Zero(), z=hb.One(), held=hb.I(size, f=filled), loss=hb.R(loss))
+        m.add(
+            still=hb.Sf(source),
+            sw=hb.Zero(),
+            z=hb.One(),
+            held=hb.I(size, f=filled),
+            loss=hb.R(loss),
+        )
     else:
-        m.add(still=hb.Se(source), sw=hb.One(), z=hb.Zero(), held=hb.C(size, e=filled), loss=hb.G(loss))
+        m.add(
+            still=hb.Se(source),
+            sw=hb.One(),
+            z=hb.Zero(),
+            held=hb.C(size, e=filled),
+            loss=hb.G(loss),
+        )
     m.bond("still -> sw -> z", "z -> loss", "held -> z" if turned else "z -> held")
     m.signal(taken=hb.Integral("still.e" if dual else "still.f", start=0))
     m.signal(clock=hb.Integral("1", start=0))
@@ -113,7 +125,9 @@ def test_a_capacitor_is_filled_each_time_that_it_is_low(
     c = common(dual)
     rules = ['shut -> open when pre(m.state == "shut")']
     again = f"{c} <= {5 * low!r}"
-    rules.append('open -> shut when gate.state == "low"' if helper else f"open -> shut when {again}")
+    rules.append(
+        'open -> shut when gate.state == "low"' if helper else f"open -> shut when {again}"
+    )
     m = shut_once(dual, False, 2.0, 0.5, "5", rules, filled=5.0)
     if helper:
         m.machine(
