@@ -57,4 +57,6 @@ def test_a_run_that_leaves_its_jump_at_once_keeps_its_books(
         # 1 of 1 F and 3 F in a row: 0.75 of each volt moves, and goes back
         assert started.energy.lost == pytest.approx(0.375, rel=1e-12)
         assert len(run.events) == 2
-        assert run.events[1].steps[-1].energy.lost == pytest.approx(0.375, rel=1e-9)
+        left = run.events[1].steps[-1].energy
+        assert left is not None
+        assert left.lost == pytest.approx(0.375, rel=1e-9)

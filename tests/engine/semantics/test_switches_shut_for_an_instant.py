@@ -106,7 +106,7 @@ def test_a_switch_that_has_filled_a_capacitor_opens(
     opened, left = stairs(level, after, size, loss)
     assert opened == 2.0
     t = np.linspace(2.001, min(after, 3.9) - 1e-3, 50)
-    got = run[common(dual)].at(t)
+    got = run[common(dual)].at(t.tolist())
     np.testing.assert_allclose(got, [left(x) for x in t], rtol=1e-6)
     assert not run.accumulations
     assert run.audit().holds()
@@ -141,7 +141,7 @@ def test_a_capacitor_is_filled_each_time_that_it_is_low(
     run = hb.simulate(m, until=12, solver=solver)
     span = 4.0 * math.log(1 / low)
     t = np.arange(1, 240) * 0.05 + 0.01234
-    np.testing.assert_allclose(run[c].at(t), 5 * np.exp(-np.mod(t, span) / 4.0), rtol=2e-6)
+    np.testing.assert_allclose(run[c].at(t.tolist()), 5 * np.exp(-np.mod(t, span) / 4.0), rtol=2e-6)
     lost = sum(s.energy.lost for ev in run.events for s in ev.steps if s.energy is not None)
     many = int(12 / span)
     assert lost == pytest.approx(many * 25.0 * (1 - low) ** 2, rel=1e-6)
