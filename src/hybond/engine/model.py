@@ -362,10 +362,10 @@ class Model:
     contact_state: Ints
     contact_rest: Ints  # the state that the machine rests in
     reactions: int
-    back_first: Ints  # of each contact: rules that may lead its machine back to it, in `back_rule`
-    back_rule: Ints
-    reaction_first: Ints  # of each contact: its reactions
-    reaction_column: Ints  # the bond variable that the contact carries at rest
+    reaction_first: Ints
+    """Of each contact: its reactions."""
+    reaction_column: Ints
+    """The bond variable that the contact carries at rest."""
     reaction_own: Floats
     """Sign of the impact law's value in what must vanish at rest."""
     reaction_law: Ints

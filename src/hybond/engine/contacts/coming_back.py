@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from hybond.engine.contacts.accumulation import SOONEST, room_of
+from hybond.engine.algebra.products import copy_places
+from hybond.engine.contacts.accumulation import SOONEST, room_of, tick_of
 from hybond.engine.contacts.landing_records import Landings, in_force
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
@@ -20,6 +21,7 @@ from hybond.engine.guards.guard_values import (
     measure_in_motion,
 )
 from hybond.engine.mode.equations import mode_of
+from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import begin_field, evaluate, field
 
@@ -30,86 +32,85 @@ MOMENT: Final = 10.0
 def comes_back(e: Engine, g: Landings, k: int) -> bool:
     """Whether an impact follows on this one while all others that are chosen rest.
 
-    Where nothing tells, it does, as of a law's own contact. It does not where no rule leads back,
-    as of a switch that has filled a capacitor for good, or only one that waits for an instant.
+    Where nothing tells, it does: a law's own contact, and what goes on without end.
     """
     m = e.model
     contact = g.touch_contact[k]
     machine = m.contact_machine[contact]
-    free = e.state[machine]
+    target = m.contact_state[contact]
     if m.is_law[machine] != 0:
         return True
-    some = False
-    for p in range(m.back_first[contact], m.back_first[contact + 1]):
-        some = some or m.rule_source[m.back_rule[p]] == free
-    if not some:
-        return False
-    rest = g.state[machine]
-    g.state[machine] = free
-    found = not follow(e, g) or meets(e, g, contact)
-    g.state[machine] = rest
-    return found
+    copy_places(m.machines, g.state, 0, g.ahead, 0)
+    g.ahead[machine] = e.state[machine]
+    return not follow(e, g) or leads_to(e, g, machine, target)
 
 
 def follow(e: Engine, g: Landings) -> bool:
     """Put where the motion leads in a moment into `g.at_rest`; False if nothing tells."""
     n = e.states
-    if mode_of(e, g.state) != OK or combine_here(e, g.state) != OK:
+    if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
         return False
     begin_field(e, e.mode)
     h = max(MOMENT * room_of(e.t, e.span), SOONEST * e.span)
-    if not e.t + h < min(e.next_break, e.until):
+    # also beyond the end of the run: what rests there is no matter of where it ends
+    if not e.t + h < e.next_break:
+        h = 0.5 * (e.next_break - e.t)
+    if not h > tick_of(e.t, e.span):
         return False
+    g.ahead_t = e.t + h
     if field(e, e.mode, e.t, e.y, g.rate1) != OK:
         return False
     for j in range(n):
         g.at_rest[j] = e.y[j] + h * g.rate1[j]
-    if field(e, e.mode, e.t + h, g.at_rest, g.rate2) != OK:
+    if field(e, e.mode, g.ahead_t, g.at_rest, g.rate2) != OK:
         return False
     for j in range(n):
         g.at_rest[j] = e.y[j] + 0.5 * h * (g.rate1[j] + g.rate2[j])
-    return evaluate(e, e.mode, e.v, e.t + h, g.at_rest) == OK
+    return evaluate(e, e.mode, e.v, g.ahead_t, g.at_rest) == OK
 
 
-def meets(e: Engine, g: Landings, contact: int) -> bool:
-    """Whether a rule leads a machine on its way back to a contact at the values ``e.v``.
+def leads_to(e: Engine, g: Landings, machine: int, target: int) -> bool:
+    """Whether rules lead a machine to a state there, by way of others as well.
 
-    What asks for states of other machines alone may hold as soon as one of these goes on.
+    What is stored is as it is there: where a state on the way would change that, nothing tells.
     """
     m = e.model
-    machine = m.contact_machine[contact]
+    for _ in range(m.state_first[m.machines]):
+        if not take_rules(e, g):
+            return False
+        if g.ahead[machine] == target:
+            return True
+        if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
+            return True
+        if is_constrained(e.mode):
+            return True
+        if evaluate(e, e.mode, e.v, g.ahead_t, g.at_rest) != OK:
+            return True
+    return True
+
+
+def take_rules(e: Engine, g: Landings) -> bool:
+    """Take the first rule of each machine that holds at the values ``e.v``; whether any does.
+
+    Machines that are put to rest stay there, and laws go on as they are.
+    """
+    m = e.model
+    stack = e.work.stack
     begin_sizes_in_motion(e)
     ask_in_motion(e)
-    for p in range(m.back_first[contact], m.back_first[contact + 1]):
-        r = m.back_rule[p]
-        if m.rule_source[r] != g.state[machine]:
-            continue
-        if m.rule_watched[r] == 0:
-            if others_go_on(e, g, machine):
-                return True
-        elif holds_here(e, g, machine, r):
-            return True
-    return False
-
-
-def others_go_on(e: Engine, g: Landings, machine: int) -> bool:
-    """Whether another machine goes on at the values ``e.v``; of the law of a junction it may be."""
-    m = e.model
+    some = False
     for k in range(m.machines):
-        if k == machine:
+        g.fired[k] = -1
+        if m.is_law[k] != 0 or (g.ahead[k] == g.state[k] and g.state[k] != e.state[k]):
             continue
-        if m.is_law[k] != 0:
-            return True
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            here = m.rule_source[r] == g.state[k] and m.rule_watched[r] != 0
-            if here and holds_here(e, g, k, r):
-                return True
-    return False
-
-
-def holds_here(e: Engine, g: Landings, machine: int, rule: int) -> bool:
-    """Whether a rule of a machine is in force and holds at the values ``e.v``."""
-    if not in_force(e.model, g, machine, rule):
-        return False
-    measure_in_motion(e, rule)
-    return holds(e.model, rule, e.work.stack)
+            if g.fired[k] >= 0 or m.rule_source[r] != g.ahead[k] or not in_force(m, g, k, r):
+                continue
+            measure_in_motion(e, r)
+            if holds(m, r, stack):
+                g.fired[k] = m.rule_target[r]
+                some = True
+    for k in range(m.machines):
+        if g.fired[k] >= 0:
+            g.ahead[k] = g.fired[k]
+    return some

@@ -76,6 +76,9 @@ class Landings:
 
     # room to work in
     state: Ints
+    ahead: Ints
+    ahead_t: float
+    """The mode a moment later, and when that is."""
     struck: Ints
     struck_state: Ints
     fired: Ints
@@ -129,6 +132,7 @@ def make_landings(m: Model) -> Landings:
     g.before_piece = ints(m.inputs)
     g.before_at = ints(m.watches)
     g.state = ints(m.machines)
+    g.ahead = ints(m.machines)
     g.struck = ints(m.machines)
     g.struck_state = ints(m.machines * m.machines)
     g.fired = ints(m.machines)

@@ -3,7 +3,8 @@
 A comparator that is felt by what it reads only through two lags has the rate of its events grow as
 ``exp(t)``: by the same amount over each thousand of them. How many there would be up to the end
 follows from that. A run that would have more than a thousand times its limit is not asked to try:
-not where anything hangs on the time, which may end the growth.
+not where anything hangs on the time, which may end the growth. Nor is one whose events come evenly,
+so fast that they are as good as one instant: what is put back onto its threshold passes it again.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ USUAL: Final = 1000000
 MOST_FORESEEN: Final = 1e300
 OUTRUN: Final = 1e3
 """Times the limit that would be reached."""
+AT_ONCE: Final = 1e5
+"""Times the limit that would be reached by events that come no faster."""
 GROWN: Final = 1.5
 """By how much the rate of events has grown over all that are looked at, at least."""
 STEADY: Final = 0.8
@@ -41,12 +44,21 @@ def outruns(e: Engine, r: Run) -> bool:
     r.paced += 1
     if r.paced <= PACES_KEPT or e.model.max_events > USUAL or tells_time(e):
         return False
+    slowest = math.inf
     before = math.inf
+    faster = True
     for k in range(PACES_KEPT):
         span = r.pace_at[k + 1] - r.pace_at[k]
-        if not (span > 0.0 and span < before):
+        if not span > 0.0:
             return False
+        faster = faster and span < before
         before = span
+        slowest = min(slowest, rate_in(r, k))
+    r.foreseen = min(slowest * (e.until - e.t), MOST_FORESEEN)
+    if r.foreseen > AT_ONCE * float(e.model.max_events):
+        return True
+    if not faster:
+        return False
     first = rate_in(r, 0)
     middle = rate_in(r, PACES_KEPT // 2)
     last = rate_in(r, PACES_KEPT - 1)

@@ -12,7 +12,6 @@ from collections.abc import Iterable
 from functools import cache
 from typing import TYPE_CHECKING
 
-from hybond.engine.tables.columns import INTS, put_rows
 from hybond.equations.surfaces import moves
 from hybond.model.expressions import (
     Binary,
@@ -226,31 +225,6 @@ def _leaving(machine: Machine, state: int, contact: Contact, first: int) -> list
     return found
 
 
-def rules_back(contact: Contact) -> list[int]:
-    """Return which rules of its machine may lead it back to a contact; none of a law of a junction.
-
-    Each is on a way to the contact, and something that goes on while time passes, or another
-    machine, may make it true: what waits for an instant leads back at that instant.
-    """
-    machine = contact.machine
-    if machine.law is not None:
-        return []
-    leading = {contact.state}
-    while more := {r.source for r in machine.rules if r.target in leading} - leading:
-        leading |= more
-    return [
-        k
-        for k, rule in enumerate(machine.rules)
-        if rule.target in leading and not _waits_for_an_instant(rule)
-    ]
-
-
-def _waits_for_an_instant(rule: Rule) -> bool:
-    """Whether a guard reads timed events and nothing else."""
-    read = names(rule.guard)
-    return bool(read) and all(n.startswith("at:") for n in read)
-
-
 def put_contacts(t: ModelTables) -> None:
     """Put contacts, their reactions, and what must vanish at rest into the tables."""
     g = t.graph
@@ -264,9 +238,6 @@ def put_contacts(t: ModelTables) -> None:
     t.ints["contact_machine"] = [c.machine.index for c in contacts.values()]
     t.ints["contact_state"] = [c.state for c in contacts.values()]
     t.ints["contact_rest"] = [c.rest for c in contacts.values()]
-    first_rule = t.ints["rule_first"]
-    back = [[(first_rule[c.machine.index] + k,) for k in rules_back(c)] for c in contacts.values()]
-    put_rows(t, "back_first", back, back_rule=INTS)
     reactions = [r for c in contacts.values() for r in c.reactions]
     t.numbers["reactions"] = len(reactions)
     first = [0]
