@@ -130,11 +130,12 @@ class Signals:
         near = np.abs(read[:many]) <= AT_KINK * np.abs(read[many:])
         behind = np.sign(read[:many])
         earlier = np.array(t, dtype=float)
-        moment = MOMENTS * np.spacing(np.maximum(np.abs(t[ends]), starts[-1]))
-        # a signal alone is no sum of terms that it is small beside: it is what it is just before
+        moment = MOMENTS * np.spacing(np.maximum(np.abs(t[ends]), segments[-1].t[-1]))
+        # a signal alone is no sum of terms that it is small beside: it is what it is just before,
+        # and may begin at the kink itself
         near_t = np.maximum(t[ends] - moment, np.asarray(starts)[which[ends]])
         just = np.array(self._of_points(segments, which[ends], near_t, atoms[:many]))
-        near |= (behind != 0.0) & (just * behind < 0.0)
+        near |= (behind != 0.0) & (just * behind <= 0.0)
         todo = np.asarray(near.any(axis=0))
         for _ in range(ROUNDS):
             here = ends[todo]
