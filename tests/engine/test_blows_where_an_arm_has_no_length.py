@@ -21,15 +21,14 @@ def pendulums(seed: int | None, eps: float, *, at: float, gravity: float = 0.0) 
         "wb": hb.One(),
         "c": hb.Zero(law="unilateral", gap="b - a", restitution=eps),
     }
-    for k, (body, arm, mass, angle, speed) in enumerate(
+    for k, (body, arm, mass, speed) in enumerate(
         [
-            ("a", "cos", M1, q, math.cos(q)),
-            ("a", "sin", M1, q, math.sin(q)),
-            ("b", "cos", M2, at, 0.0),
-            ("b", "sin", M2, at, 0.0),
+            ("a", "cos", M1, math.cos(q)),
+            ("a", "sin", M1, math.sin(q)),
+            ("b", "cos", M2, 0.0),
+            ("b", "sin", M2, 0.0),
         ]
     ):
-        del angle
         parts[f"v{k}"] = hb.One()
         parts[f"i{k}"] = hb.I(mass, f=speed)
         parts[f"t{k}"] = hb.TF(f"{arm}({body})")
