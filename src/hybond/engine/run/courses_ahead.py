@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.course_parts import OTHER, SINES, find_kinds, range_parts
@@ -47,6 +48,8 @@ PLACES: Final = 16
 """Into so many parts these cut the interval."""
 EVEN: Final = 0.1
 """Part of the way between them that no two parts of the interval differ by: half a sine's 0.04."""
+LAST_DIGITS: Final = 4.0
+"""How many times what one last digit of a phase makes of a course no samples tell apart."""
 USED: Final = 0.5
 """Part of an interval that was looked at: when no more is left of it, the next one is."""
 ALWAYS: Final = 0
@@ -249,6 +252,7 @@ def find_hidden(e: Engine, a: float, b: float) -> int:
         shown = spread_of(e, k, a, b, not steep)
         range_ = r.high[root] - r.low[root]
         seen = way <= SHOWN * shown or (steep and range_ <= MONOTONE * shown)
+        seen = seen or (m.course_phase[k] != 0 and is_within_digits(e, k, way))
         if not seen and not is_even(e, k, a, b, way, least):
             for i in range(m.courses):
                 most = farthest(r.low[m.course_root[i]], r.high[m.course_root[i]])
@@ -321,6 +325,24 @@ def spread_of(e: Engine, k: int, a: float, b: float, inside: bool) -> float:
         high = max(high, here)
     put_now(e)
     return high - low if math.isfinite(high - low) else 0.0
+
+
+def is_within_digits(e: Engine, k: int, way: float) -> bool:
+    """Whether a course goes no farther than the last digits of its phases make it, as it is now.
+
+    An angle that has hardly begun to turn is the same number at both ends of an interval, and a
+    crank that stands at its dead centre has an arm that is nothing but the rounding of that angle.
+    """
+    m = e.model
+    here = value(m, m.course_value[k], e.v)
+    digits = 0.0
+    for i in range(m.course_signals):
+        slot = m.signal_slot + m.course_signal[i]
+        kept = e.v[slot]
+        e.v[slot] = kept + EPSILON * math.fabs(kept)
+        digits += math.fabs(value(m, m.course_value[k], e.v) - here)
+        e.v[slot] = kept
+    return way <= LAST_DIGITS * digits
 
 
 def is_even(e: Engine, k: int, a: float, b: float, way: float, least: float) -> bool:

@@ -231,8 +231,9 @@ def seen_through(e: Engine, mode: Mode, v: Floats) -> None:
     """Let what is stored be seen through modulated two-ports as well, moduli as they are now.
 
     The slip behind a lever whose arms change has the rounding of the speed before it. Unknowns that
-    a row of the power structure finds from what is seen are found one after the other; laws that
-    bend are not gone through.
+    a row of the power structure finds from what is seen are found one after the other, and are no
+    more than any row allows: an arm that has no length now says nothing of the lever that it is on.
+    Laws that bend are not gone through.
     """
     m = e.model
     work = e.work
@@ -246,28 +247,56 @@ def seen_through(e: Engine, mode: Mode, v: Floats) -> None:
     for j in range(frees):
         found[j] = -1.0
     more = True
-    while more:
+    turn = 0
+    while more and turn < TURNS + 2 * frees:
         more = False
+        turn += 1
         for i in range(mode.structures):
             first = mode.structure[i] * n
             if m.dynamic_affine[mode.dynamic[mode.structure[i]]] == 0:
                 continue
             by_free(mode, n, work.frozen.at, first, row)
-            alone = -1
-            for j in range(frees):
-                if row[j] != 0.0 and found[j] < 0.0:
-                    alone = j if alone < 0 else frees
-            if alone < 0 or alone == frees:
+            if count_unfound(frees, row, found) > 1:
                 continue
             size = row_terms(n, work.frozen.at, first, mode.seen)
-            for j in range(frees):
-                if row[j] != 0.0 and j != alone:
-                    size += math.fabs(row[j]) * found[j]
-            size /= math.fabs(row[alone])
-            found[alone] = size if math.isfinite(size) else 0.0
-            more = True
+            if bound_by_row(frees, row, size, found):
+                more = True
     for k in range(n):
         for j in range(frees):
             if found[j] > 0.0:
                 share = math.fabs(mode.finite_free.at[k * frees + j])
                 mode.seen[k] = max(mode.seen[k], share * found[j])
+
+
+def count_unfound(frees: int, row: Floats, found: Floats) -> int:
+    """Return how many unknowns of a row no row has told of yet."""
+    many = 0
+    for j in range(frees):
+        if row[j] != 0.0 and found[j] < 0.0:
+            many += 1
+    return many
+
+
+def bound_by_row(frees: int, row: Floats, size: float, found: Floats) -> bool:
+    """Let no unknown of a row be more than the rest of it, `size` and the others, allows.
+
+    At most one of them is not found yet. Returns whether one is found, or less than half of what it
+    was.
+    """
+    news = False
+    unfound = count_unfound(frees, row, found) > 0
+    for j in range(frees):
+        if row[j] == 0.0 or (unfound and found[j] >= 0.0):
+            continue
+        others = size
+        for k in range(frees):
+            if row[k] != 0.0 and k != j:
+                others += math.fabs(row[k]) * found[k]
+        others /= math.fabs(row[j])
+        if found[j] < 0.0 and math.isfinite(others):
+            found[j] = others
+            news = True
+        elif others < found[j]:
+            news = news or others < 0.5 * found[j]
+            found[j] = others
+    return news
