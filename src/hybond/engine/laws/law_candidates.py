@@ -19,7 +19,12 @@ from hybond.engine.jumps.trial import (
 )
 from hybond.engine.laws.law_instant import NO_LAW_VALUE, slides_within
 from hybond.engine.laws.law_parallel import add_left
-from hybond.engine.laws.law_rates import is_at_an_end, strikes_next, turns_at_once
+from hybond.engine.laws.law_rates import (
+    NO_VALUES_AHEAD,
+    is_at_an_end,
+    strikes_next,
+    turns_at_once,
+)
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.mode_records import is_constrained
@@ -97,9 +102,16 @@ def try_candidate(e: Engine, r: Laws, x: Floats, kept: bool) -> int:
         return BROKEN  # two that share a current at will: let one of them have it
     found = find_broken(e, r)
     looks = found == STANDS and r.looks_ahead and not r.parting
-    if looks and is_in_doubt(e, r) and turns_at_once(e, r, r.t):
-        r.saw_ahead = True
-        found = BROKEN
+    if looks and is_in_doubt(e, r):
+        turned = turns_at_once(e, r, r.t)
+        if r.broken == NO_VALUES_AHEAD:
+            r.broken = 0
+            # what cannot go on as it is: all branches are tried
+            turned = holds_in_vain(e, r)
+            r.some_valueless = r.some_valueless or turned
+        if turned:
+            r.saw_ahead = True
+            found = BROKEN
     if found != BROKEN:
         e.trial.dusted = r.shifted
         if found == STANDS and r.left > 0:
@@ -118,9 +130,21 @@ def is_in_doubt(e: Engine, r: Laws) -> bool:
     """Whether it is for the motion to say which branches last, since values are zero.
 
     Where the graph is linear its answer has told. Where laws bend it has told of a slope, and the
-    branches found by that are at their ends, or not, by what holds in them.
+    branches found by that are at their ends, or not, by what holds in them. It has told nothing of
+    friction that holds what no force of it moves, as behind an arm that has no length yet.
     """
-    return r.problem.doubtful or (not r.now.linear and is_at_an_end(e))
+    return r.problem.doubtful or (not r.now.linear and (is_at_an_end(e) or holds_in_vain(e, r)))
+
+
+def holds_in_vain(e: Engine, r: Laws) -> bool:
+    """Whether any friction of the trial rests on what neither its force nor its impulse moves."""
+    m = e.model
+    for k in range(m.ports):
+        own = k * m.ports + k
+        rests = m.port_two_sided[k] != 0 and e.trial.state[m.port_machine[k]] == RESTS
+        if rests and r.response.d[own] == 0.0 and r.response.ce[own] == 0.0:
+            return True
+    return False
 
 
 def sweep_candidate(e: Engine, r: Laws) -> int:

@@ -43,6 +43,8 @@ BENT: Final = 1e-11
 """A change of rates is none below this part of their terms."""
 ROUNDED: Final = 1e-15
 """Part of its terms that a bond variable may move by rounding."""
+NO_VALUES_AHEAD: Final = -1
+"""What stands for the laws that are violated where a moment later nothing has values."""
 PARTING: Final = 0
 RATES: Final = 1
 SIZES: Final = 2
@@ -238,6 +240,7 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
 
     A diode whose current is zero, and whose voltage is, conducts or blocks as its own motion says a
     moment later; what an answer of the laws leaves of that is rounding of far larger currents.
+    Where there are no values a moment later `r.broken` says so.
     """
     m = e.model
     mode = e.mode
@@ -265,6 +268,7 @@ def turns_at_once(e: Engine, r: Laws, t: float) -> bool:
         found = solve_here(e, mode, r.later)
     give_back_guess(e, mode)
     if found != OK:
+        r.broken = NO_VALUES_AHEAD
         return False
     for k in range(m.machines if m.laws > 0 else 0):
         if m.is_law[k] != 0 and not strikes_next(e, r, k):
