@@ -14,7 +14,7 @@ from typing import Final
 from hybond.engine.algebra.products import copy_places
 from hybond.engine.answers import value
 from hybond.engine.contacts.accumulation import SOONEST, room_of, tick_of
-from hybond.engine.contacts.landing_records import Landings, in_force
+from hybond.engine.contacts.landing_records import LAST_TIMES, Landings, in_force
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.expressions.pairs import ROUNDING
@@ -23,11 +23,14 @@ from hybond.engine.guards.guard_values import (
     begin_sizes_in_motion,
     measure_in_motion,
 )
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import begin_field, evaluate, field
 
+IN_VAIN: Final = 3
+"""Impacts at one instant behind which another one follows, if nothing tells."""
 AT_FLOOR: Final = 2.0
 """Roundings off its bound at which what is compared is there: it is located one beyond."""
 MOMENT: Final = 10.0
@@ -37,7 +40,8 @@ MOMENT: Final = 10.0
 def comes_back(e: Engine, g: Landings, k: int) -> bool:
     """Whether an impact follows on this one while all others that are chosen rest.
 
-    Where nothing tells, it does: a law's own contact, and what goes on without end.
+    It does for a law's own contact. Where nothing tells, as what is stored would change on the way
+    back, it does if some have followed each other at this instant already.
     """
     m = e.model
     contact = g.touch_contact[k]
@@ -48,11 +52,19 @@ def comes_back(e: Engine, g: Landings, k: int) -> bool:
     g.touch_hidden[k] = 0.0
     look_ahead(e, g, machine)
     if not follow(e, g):
-        return True
+        return struck_in_vain(e, g, machine)
     if not leads_to(e, g, machine, target):
         return False
     g.touch_hidden[k] = hidden_flight(e, g, machine, target)
     return True
+
+
+def struck_in_vain(e: Engine, g: Landings, machine: int) -> bool:
+    """Whether a machine has been struck several times at this instant."""
+    if g.kept[machine] < IN_VAIN:
+        return False
+    first = g.times[LAST_TIMES * machine + g.kept[machine] - IN_VAIN]
+    return e.t - first <= float(IN_VAIN) * room_of_instant(e, e.t)
 
 
 def look_ahead(e: Engine, g: Landings, machine: int) -> None:
@@ -96,13 +108,11 @@ def leads_to(e: Engine, g: Landings, machine: int, target: int) -> bool:
             return False
         if g.ahead[machine] == target:
             return True
-        if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
-            return True
-        if is_constrained(e.mode):
-            return True
-        if evaluate(e, e.mode, e.v, g.ahead_t, g.at_rest) != OK:
-            return True
-    return True
+        told = mode_of(e, g.ahead) == OK and combine_here(e, g.ahead) == OK
+        told = told and not is_constrained(e.mode)
+        if not (told and evaluate(e, e.mode, e.v, g.ahead_t, g.at_rest) == OK):
+            return struck_in_vain(e, g, machine)
+    return struck_in_vain(e, g, machine)
 
 
 def hidden_flight(e: Engine, g: Landings, machine: int, target: int) -> float:
