@@ -104,8 +104,9 @@ def sample(items: list[pytest.Item]) -> None:
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
     ``parametrize`` make, it keeps an eighth, and of a small one a third, in which the values of
-    each come about as often as each other, and at least as many as its longest axis has values. Of
-    a long list it keeps every third one, of one as long as a large grid every fourth.
+    each come about as often as each other. Those are at least as many as its longest axis has
+    values, but for one that is marked. Of a long list it keeps the first and from the second on
+    every third one, of one as long as a large grid every fourth.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -125,7 +126,8 @@ def sample(items: list[pytest.Item]) -> None:
             kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
         else:
             every = 4 if len(found) >= LARGE_GRID else 3 if len(found) >= LONG_LIST else 1
-            kept = {*range(0, len(found), every)}
+            # the second too: of solvers it is the other kind
+            kept = {0, *range(1, len(found), every)}
         for k, item in enumerate(found):
             if k not in kept:
                 item.add_marker(pytest.mark.slow)

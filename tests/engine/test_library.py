@@ -64,6 +64,23 @@ def test_any_compiler_makes_a_library_that_runs(
         assert [float(x) for x in one[3:]] == pytest.approx([float(x) for x in other[3:]], rel=1e-9)
 
 
+def test_a_gcc_that_cannot_work_in_parts_is_asked_for_all_at_once(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """An old one, or one whose linker lacks the plugin; what is asked is kept, nothing compiled."""
+    gcc, asked = tmp_path / "gcc", tmp_path / "asked"
+    gcc.write_text(
+        f'#!/bin/sh\necho "$*" >> {asked}\n'
+        'case "$*" in *-flto*) echo "no plugin" >&2; exit 1;; esac\n'
+        'while [ "$1" != -o ]; do shift; done; : > "$2"\n'
+    )
+    gcc.chmod(0o755)
+    monkeypatch.setenv("CC", str(gcc))
+    assert compile_into(tmp_path / NAME) == ""
+    calls = asked.read_text().splitlines()
+    assert ["-flto=auto" in call for call in calls] == [True, False]
+
+
 def test_a_library_of_other_sources_is_not_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

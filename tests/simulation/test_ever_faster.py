@@ -68,3 +68,29 @@ def test_a_relay_that_would_switch_too_often_is_refused_long_before() -> None:
     later = hb.simulate(relay(k), run.t_end + 0.2)
     assert later.status == "ok"
     assert len(later.events) == pytest.approx(int(told[1]) * math.exp(k / 3.0 * 0.2), rel=0.02)
+
+
+@pytest.mark.parametrize("until", [1e3, 1e7])
+def test_a_fast_burst_at_the_begin_of_a_long_run_is_none_of_these(until: float) -> None:
+    """It has 20,000 events in its first second, evenly, and would have 1e11 if it went on."""
+    pace, stop = 1e4, 1.0
+    m = hb.Model("burst")
+    m.add(z=hb.Zero(), c=hb.C(1.0), up=hb.One(), down=hb.One(), U=hb.Se(1e3), D=hb.Se(-1e3))
+    m.add(Ru=hb.R(1e3), Rd=hb.R(1e3))
+    m.bond("U -> up", "up -> Ru", "up -> z", "D -> down", "down -> Rd", "down -> z", "z -> c")
+    m.signal(clock=hb.Integral("1", start=0))
+    band = 1.0 / (4.0 * pace)
+    m.machine(
+        "A",
+        states={"rises": ["up"], "falls": ["down"], "rests": []},
+        start="rises",
+        rules=[
+            f"rises -> rests when clock >= {stop}",
+            f"falls -> rests when clock >= {stop}",
+            f"rises -> falls when c.q >= {band}",
+            f"falls -> rises when c.q <= -{band}",
+        ],
+    )
+    run = hb.simulate(m, until)
+    assert run.status == "ok"
+    assert len(run.events) == pytest.approx(2.0 * pace * stop, abs=5)

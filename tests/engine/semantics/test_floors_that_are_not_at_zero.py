@@ -47,7 +47,7 @@ def ball(at: float, restitution: float, guard: str, *, turned: bool) -> hb.Model
     return m
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("solver", ["auto", "radau", "rk45", "exact"])
 @pytest.mark.parametrize("guard", [*GUARDS, ""], ids=[*"abcdef", "gap"])
 @pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
@@ -69,3 +69,54 @@ def test_it_comes_to_rest_there(
     assert run.events[-1].t == pytest.approx(end, rel=2e-6 + 1e-8 * abs(at))
     assert run["v.f"].at(1.2 * end) == pytest.approx(0.0, abs=1e-12)
     assert run["x"].at(1.2 * end) == pytest.approx(at, abs=1e-9 + 1e-12 * abs(at))
+
+
+def test_a_law_that_is_struck_with_it_lands_as_it_does_alone() -> None:
+    """What rounding hides of the one was what counted for the other."""
+    alone, both = hb.Model("alone"), hb.Model("both")
+    for m in (alone, both):
+        m.add(w=hb.One(), j=hb.I(1.0), G=hb.Se(-9.81), o=hb.Sf(0.0))
+        m.add(c=hb.Zero(law="unilateral", gap="y", restitution=4e-4))
+        m.bond("G -> w", "w -> j", "c -> w", "o -> c")
+        m.signal(y=hb.Integral("w.f", start=1.0))
+    both.add(v=hb.One(), i=hb.I(1.0), F=hb.Se(-9.81), floor=hb.Zero(), s=hb.Sf("1e-9*pre(v.f)"))
+    both.bond("F -> v", "v -> i", "v -> floor", "s -> floor")
+    both.signal(x=hb.Integral("v.f", start=6.3))
+    both.machine(
+        "A",
+        states={"free": [], "hit": ["floor"]},
+        start="free",
+        rules=["free -> hit when x <= 5.3 and v.f < 0", "hit -> free when pre(A.state == 'hit')"],
+    )
+    heights = [hb.simulate(m, 1.0)["y"].at(0.4518) for m in (alone, both)]
+    struck = math.sqrt(2.0 / 9.81)
+    speed, later = 4e-4 * 9.81 * struck, 0.4518 - struck
+    assert heights == pytest.approx([speed * later - 4.905 * later**2] * 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("drift", [3e-11, 1e-9])
+def test_what_creeps_past_its_own_bound_hides_no_flight(drift: float) -> None:
+    push, drop, restitution = 9.81, 0.05, 0.9
+    struck = math.sqrt(2.0 * drop / push)
+    end = struck * (1.0 + 2.0 * restitution / (1.0 - restitution))
+    runs = []
+    for more in ("", " and (w > 5.3 or w < 5.4)"):
+        m = hb.Model("creeps")
+        m.add(v=hb.One(), i=hb.I(1.0), F=hb.Se(-push), floor=hb.Zero())
+        m.add(s=hb.Sf(f"{restitution}*pre(v.f)"))
+        m.bond("F -> v", "v -> i", "v -> floor", "s -> floor")
+        m.signal(x=hb.Integral("v.f", start=drop))
+        m.signal(w=hb.Integral(f"{drift}", start=5.3 - drift * 0.99 * end))
+        m.machine(
+            "A",
+            states={"free": [], "hit": ["floor"]},
+            start="free",
+            rules=[
+                f"free -> hit when x <= 0 and v.f < 0{more}",
+                "hit -> free when pre(A.state == 'hit')",
+            ],
+        )
+        runs.append(hb.simulate(m, 1.2 * end))
+    # other guards are found at other last places
+    assert len(runs[0].events) == pytest.approx(len(runs[1].events), abs=2)
+    assert runs[1].events[-1].t == pytest.approx(end, rel=1e-7)

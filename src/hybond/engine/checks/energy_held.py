@@ -106,19 +106,20 @@ def tell_balance(e: Engine) -> None:
     are of what it comes to, and is nothing beside what moves then.
     """
     c = e.checks
-    if c.strayed < math.inf and not is_nothing(e):
+    if c.strayed < math.inf and not is_off_by_nothing(e):
         off = math.fabs(c.unbalanced)
         if not off >= math.fabs(c.apart):
             off = math.fabs(c.apart)
         note_in_state(e, c.strayed_state, c.strayed, BALANCE, c.strayed_by, off, c.moved)
 
 
-def is_nothing(e: Engine) -> bool:
+def is_off_by_nothing(e: Engine) -> bool:
     """Whether all that is off is an energy that is none, now that rates at the end are known.
 
     Those behind a jump in the last instant are of no step before.
     """
-    return max(math.fabs(e.checks.unbalanced), math.fabs(e.checks.apart)) <= nothing(e)
+    most = nothing(e)
+    return math.fabs(e.checks.unbalanced) <= most and math.fabs(e.checks.apart) <= most
 
 
 def hold_apart_rates(e: Engine, bound: float) -> None:

@@ -20,8 +20,8 @@ NOTE = HOME.with_name(WHY)
 """Where they look for the reason why it is not there."""
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-shared")
 IN_PARTS = ("-flto=auto",)
-"""What has gcc optimise parts of the one file beside each other: on two cores it takes 41 s for 68,
-and what is made runs as fast."""
+"""What has gcc optimise parts of the one file beside each other: on two cores it takes 41 s
+instead of 68, and what is made runs as fast."""
 
 
 def compile_into(target: Path = HOME, *, flags: tuple[str, ...] = ()) -> str:
@@ -51,7 +51,9 @@ def compile_into(target: Path = HOME, *, flags: tuple[str, ...] = ()) -> str:
 
 def _has_parts(command: list[str], flags: tuple[str, ...]) -> bool:
     """Return whether the compiler makes parts beside each other; flags may not go with that."""
-    return Path(command[0]).name == "gcc" and sys.platform.startswith("linux") and not flags
+    return (
+        Path(command[0]).name.startswith("gcc") and sys.platform.startswith("linux") and not flags
+    )
 
 
 def _run(command: list[str]) -> subprocess.CompletedProcess[str]:

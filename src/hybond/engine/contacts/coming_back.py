@@ -28,11 +28,14 @@ from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import begin_field, evaluate, field
+from hybond.engine.words import Floats
 
 IN_VAIN: Final = 3
 """Impacts at one instant behind which another one follows, if nothing tells."""
 AT_FLOOR: Final = 2.0
 """Roundings off its bound at which what is compared is there: it is located one beyond."""
+OWN: Final = 0.5
+"""Part of its motion that a comparison has from the impact, if that moves it."""
 MOMENT: Final = 10.0
 """How long the motion is followed, in the time in which impacts may end."""
 
@@ -47,9 +50,9 @@ def comes_back(e: Engine, g: Landings, k: int) -> bool:
     contact = g.touch_contact[k]
     machine = m.contact_machine[contact]
     target = m.contact_state[contact]
+    g.touch_hidden[k] = 0.0
     if m.is_law[machine] != 0:
         return True
-    g.touch_hidden[k] = 0.0
     look_ahead(e, g, machine)
     if not follow(e, g):
         return struck_in_vain(e, g, machine)
@@ -74,13 +77,16 @@ def look_ahead(e: Engine, g: Landings, machine: int) -> None:
 
 
 def follow(e: Engine, g: Landings) -> bool:
-    """Put where the motion leads in a moment into `g.at_rest`; False if nothing tells."""
+    """Put where the motion leads in a moment into `g.at_rest`; False if nothing tells.
+
+    Nothing does where there is no moment before a timed event. The end of the run is none: what
+    rests there is no matter of where it ends.
+    """
     n = e.states
     if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
         return False
     begin_field(e, e.mode)
     h = max(MOMENT * room_of(e.t, e.span), SOONEST * e.span)
-    # also beyond the end of the run: what rests there is no matter of where it ends
     if not e.t + h < e.next_break:
         h = 0.5 * (e.next_break - e.t)
     if not h > tick_of(e.t, e.span):
@@ -120,28 +126,48 @@ def hidden_flight(e: Engine, g: Landings, machine: int, target: int) -> float:
 
     Where something is, is compared with where the floor is, and has the rounding of that: at 5 m a
     rebound of 1e-15 m is none, however high those before have been. A flight rises by a quarter of
-    what it would if it went on as it begins, with the rates in ``g.rate1``.
+    what it would if it went on as it begins. What moves alike before the impact and behind it is
+    moved by something else, and counts for nothing.
     """
     m = e.model
-    longest = 0.0
     look_ahead(e, g, machine)
     if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
-        return longest
+        return 0.0
     h = g.ahead_t - e.t
-    for j in range(e.states):
-        g.at_rest[j] = e.y[j] + h * g.rate1[j]
-    known = evaluate(e, e.mode, g.v, e.t, e.y) == OK
-    known = known and evaluate(e, e.mode, e.v, e.t, g.at_rest) == OK
-    for r in range(m.rule_first[machine], m.rule_first[machine + 1] if known else 0):
+    shortest = math.inf
+    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
         if m.rule_source[r] != e.state[machine] or m.rule_target[r] != target:
             continue
         for a in range(m.atom_first[r], m.atom_first[r + 1]):
+            if evaluate(e, e.mode, g.v, e.t, e.y) != OK:
+                return 0.0
             near = ROUNDING * math.fabs(value(m, m.atom_size[a], g.v))
-            here = value(m, m.atom_value[a], g.v)
-            moved = math.fabs(value(m, m.atom_value[a], e.v) - here)
-            if math.fabs(here) <= AT_FLOOR * near and moved > 0.0:
-                longest = max(longest, 4.0 * near * h / moved)
-    return longest
+            if not math.fabs(value(m, m.atom_value[a], g.v)) <= AT_FLOOR * near:
+                continue
+            moved = moved_from(e, g, e.y, a, h)
+            before = moved_from(e, g, g.before, a, h)
+            if math.fabs(moved - before) > OWN * math.fabs(moved):
+                if moved != 0.0:
+                    shortest = min(shortest, 4.0 * near * h / math.fabs(moved))
+    return shortest if shortest < math.inf else 0.0
+
+
+def moved_from(e: Engine, g: Landings, y: Floats, atom: int, h: float) -> float:
+    """Return how far a comparison moves in a time, as its motion begins at a state; nan: unknown.
+
+    In the mode that is looked at.
+    """
+    m = e.model
+    begin_field(e, e.mode)
+    if field(e, e.mode, e.t, y, g.rate1) != OK:
+        return math.nan
+    for j in range(e.states):
+        g.at_rest[j] = y[j] + h * g.rate1[j]
+    if evaluate(e, e.mode, g.v, e.t, y) != OK:
+        return math.nan
+    if evaluate(e, e.mode, e.v, e.t, g.at_rest) != OK:
+        return math.nan
+    return value(m, m.atom_value[atom], e.v) - value(m, m.atom_value[atom], g.v)
 
 
 def take_rules(e: Engine, g: Landings) -> bool:
@@ -155,17 +181,17 @@ def take_rules(e: Engine, g: Landings) -> bool:
     ask_in_motion(e)
     some = False
     for k in range(m.machines):
-        g.fired[k] = -1
+        g.led_to[k] = -1
         if m.is_law[k] != 0 or (g.ahead[k] == g.state[k] and g.state[k] != e.state[k]):
             continue
         for r in range(m.rule_first[k], m.rule_first[k + 1]):
-            if g.fired[k] >= 0 or m.rule_source[r] != g.ahead[k] or not in_force(m, g, k, r):
+            if g.led_to[k] >= 0 or m.rule_source[r] != g.ahead[k] or not in_force(m, g, k, r):
                 continue
             measure_in_motion(e, r)
             if holds(m, r, stack):
-                g.fired[k] = m.rule_target[r]
+                g.led_to[k] = m.rule_target[r]
                 some = True
     for k in range(m.machines):
-        if g.fired[k] >= 0:
-            g.ahead[k] = g.fired[k]
+        if g.led_to[k] >= 0:
+            g.ahead[k] = g.led_to[k]
     return some

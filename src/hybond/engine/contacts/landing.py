@@ -213,7 +213,8 @@ def flight_over(e: Engine, g: Landings, k: int) -> bool:
     left = flight / (1.0 - ratio) if ratio < 1.0 else math.inf
     if told:
         left = max(left, g.limit_left)
-    if flight > g.touch_hidden[k] and (left > room or peak > POSITION * g.flight[machine]):
+    hidden = flight <= g.touch_hidden[k] and left < math.inf
+    if not hidden and (left > room or peak > POSITION * g.flight[machine]):
         return False
     if not told:
         g.limit_t = e.t + left

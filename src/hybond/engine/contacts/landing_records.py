@@ -79,8 +79,10 @@ class Landings:
     # room to work in
     state: Ints
     ahead: Ints
+    """The mode that is looked at a moment later; `led_to` where rules lead each machine, or -1."""
     ahead_t: float
-    """The mode a moment later, and when that is."""
+    """When that is."""
+    led_to: Ints
     struck: Ints
     struck_state: Ints
     fired: Ints
@@ -136,6 +138,7 @@ def make_landings(m: Model) -> Landings:
     g.before_at = ints(m.watches)
     g.state = ints(m.machines)
     g.ahead = ints(m.machines)
+    g.led_to = ints(m.machines)
     g.struck = ints(m.machines)
     g.struck_state = ints(m.machines * m.machines)
     g.fired = ints(m.machines)

@@ -183,7 +183,8 @@ def carries_as_it_may(e: Engine, r: Laws) -> bool:
     """Whether the impulses of the trial are such as its laws carry in the branches tried.
 
     A contact pushes; what is open stops nothing that closes it; dry friction pushes with none, and
-    is dragged the way it slips only; what rebounds has an impact of its own.
+    is dragged the way it slips only (in the plane it is not tried by this); what rebounds has an
+    impact of its own.
     """
     m = e.model
     for k in range(m.ports):

@@ -49,7 +49,7 @@ def said_of_many(events: Chronicle[Event], why: str, where: str, until: float) -
     told = f"{why}: {machine} switches every {last:.3g} s at last"
     more = (until - events[-1].t) / last
     if 1.0 <= more < math.inf:
-        told += f", which is {more:.3g} times more until t = {until:.9g} s"
+        told += f", and would {more:.3g} times more until t = {until:.9g} s"
     return Said(told, where)
 
 

@@ -3,8 +3,8 @@
 A comparator that is felt by what it reads only through two lags has the rate of its events grow as
 ``exp(t)``: by the same amount over each thousand of them. How many there would be up to the end
 follows from that. A run that would have more than a thousand times its limit is not asked to try:
-not where anything hangs on the time, which may end the growth. Nor is one whose events come evenly,
-so fast that they are as good as one instant: what is put back onto its threshold passes it again.
+not where anything hangs on the time, which may end the growth. Nor is one in which thousands follow
+each other within an instant each: what is put back onto its threshold passes it at once again.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Final
 
 from hybond.engine.engine import Engine, say_fault
 from hybond.engine.expressions.functions import exp_less_one
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.run.run_records import PACES_KEPT, Run
 
@@ -24,8 +25,6 @@ USUAL: Final = 1000000
 MOST_FORESEEN: Final = 1e300
 OUTRUN: Final = 1e3
 """Times the limit that would be reached."""
-AT_ONCE: Final = 1e5
-"""Times the limit that would be reached by events that come no faster."""
 GROWN: Final = 1.5
 """By how much the rate of events has grown over all that are looked at, at least."""
 STEADY: Final = 0.8
@@ -44,18 +43,18 @@ def outruns(e: Engine, r: Run) -> bool:
     r.paced += 1
     if r.paced <= PACES_KEPT or e.model.max_events > USUAL or tells_time(e):
         return False
-    slowest = math.inf
     before = math.inf
     faster = True
+    instants = True
     for k in range(PACES_KEPT):
         span = r.pace_at[k + 1] - r.pace_at[k]
         if not span > 0.0:
             return False
         faster = faster and span < before
         before = span
-        slowest = min(slowest, rate_in(r, k))
-    r.foreseen = min(slowest * (e.until - e.t), MOST_FORESEEN)
-    if r.foreseen > AT_ONCE * float(e.model.max_events):
+        instants = instants and span <= float(PACED) * room_of_instant(e, e.t)
+    if instants:
+        r.foreseen = min(rate_in(r, PACES_KEPT - 1) * (e.until - e.t), MOST_FORESEEN)
         return True
     if not faster:
         return False

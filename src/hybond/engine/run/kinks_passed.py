@@ -249,7 +249,7 @@ def events_held(e: Engine, r: Run) -> bool:
     return e.t - r.idle_at[r.idle % many] <= SOON_BACK * e.span and is_held(e, r)
 
 
-def accumulate_at_kink(e: Engine, r: Run) -> bool:
+def accumulates_at_kink(e: Engine, r: Run) -> bool:
     """Whether events that come ever faster are those of a law that a kink drives back each time."""
     return e.model.kinks > 0 and is_held(e, r)
 

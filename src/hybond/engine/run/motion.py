@@ -61,7 +61,7 @@ from hybond.engine.run.ever_more import outruns, refuse_outrun
 from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.jumps_ahead import end_at_jump
 from hybond.engine.run.kinks_passed import (
-    accumulate_at_kink,
+    accumulates_at_kink,
     events_held,
     see_crawl,
     see_crowd,
@@ -268,7 +268,7 @@ def rest_in_turn(e: Engine, r: Run) -> int:
         if slid < 0:
             return REFUSED
         if slid == NONE_SLIDES:
-            return switches_back(e, r) if accumulate_at_kink(e, r) else ACCUMULATES
+            return switches_back(e, r) if accumulates_at_kink(e, r) else ACCUMULATES
         report_slide(e, r.report)
     r.cut = False
     r.events += 1

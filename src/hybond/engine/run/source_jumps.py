@@ -74,7 +74,8 @@ def on_this_side(e: Engine, r: Run, before: float) -> float:
 
     What is compared may depend on the motion. The step that was repeated to end at the kink comes
     to it a little sooner than the longer one did, which has told where it is: at `before` it may be
-    beyond, or away from it by rounding that does not tell, but what jumps there has jumped.
+    beyond, or away from it by rounding that does not tell, but what jumps there has jumped. Where
+    it is on no side however far back, `before` is as good as any.
     """
     g = r.locator
     k = r.kink_guard
@@ -82,19 +83,20 @@ def on_this_side(e: Engine, r: Run, before: float) -> float:
         return before
     first = g.atom_first[k]
     side = float(g.side[k])
+    found = before
     way = e.step.t1 - before
     doubled = 0
     hold_guess(e, e.mode)
-    here = atom_at(e, g, first, max(before, e.step.t0))
+    here = atom_at(e, g, first, max(found, e.step.t0))
     dust = ROUNDING * terms_here(e, g, k, first)
-    while not side * here > dust and doubled < DOUBLED and before > e.step.t0:
+    while not side * here > dust and doubled < DOUBLED and found > e.step.t0:
         way = 2.0 * way
         doubled += 1
-        before = e.step.t1 - way
-        here = atom_at(e, g, first, max(before, e.step.t0))
+        found = e.step.t1 - way
+        here = atom_at(e, g, first, max(found, e.step.t0))
     give_back_guess(e, e.mode)
     g.looked = math.nan
-    return before
+    return found if side * here > dust else before
 
 
 def jumps_at_once(e: Engine, r: Run) -> bool:

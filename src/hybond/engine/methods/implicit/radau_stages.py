@@ -184,17 +184,16 @@ def swing_over_jump(e: Engine, r: Radau) -> bool:
     n = r.n
     copy_part(n, r.y, 2 * n, r.stage, 0)
     for i in range(n):
-        r.end[i] = r.stage[i] - r.last[2 * n + i]
-    return jump_lies_between(e, r.t1, r.stage, r.end)
+        r.shifted[i] = r.stage[i] - r.last[2 * n + i]
+    return jump_lies_between(e, r.t1, r.stage, r.shifted)
 
 
-def halve_swing(r: Radau) -> int:
-    """Put stages that swing between where they were and are."""
+def settle_swing(r: Radau) -> None:
+    """Put stages that swing half way between where they were and where they are."""
     for k in range(3 * r.n):
         r.z[k] -= 0.5 * r.last[k]
     place_stages(r)
     r.swings = True
-    return STAGES_CONVERGED
 
 
 def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
@@ -252,7 +251,8 @@ def iterate_stages(e: Engine, r: Radau, rtol: float) -> int:
         if count > 1:
             r.rate = r.size / before if before > 0.0 else 0.0
             if swing_within(r, other) and not swing_over_jump(e, r):
-                return halve_swing(r)
+                settle_swing(r)
+                return STAGES_CONVERGED
             if found_all and not r.rate < STILL_SWINGS:
                 # what is left of rates is rounding
                 return STAGES_CONVERGED
