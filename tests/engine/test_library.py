@@ -76,6 +76,7 @@ def test_a_gcc_that_cannot_work_in_parts_is_asked_for_all_at_once(
     )
     gcc.chmod(0o755)
     monkeypatch.setenv("CC", str(gcc))
+    monkeypatch.setattr("hybond.engine.compiled.build.library_text", str)
     assert compile_into(tmp_path / NAME) == ""
     calls = asked.read_text().splitlines()
     assert ["-flto=auto" in call for call in calls] == [True, False]
