@@ -120,3 +120,65 @@ def test_what_creeps_past_its_own_bound_hides_no_flight(drift: float) -> None:
     # other guards are found at other last places
     assert len(runs[0].events) == pytest.approx(len(runs[1].events), abs=2)
     assert runs[1].events[-1].t == pytest.approx(end, rel=1e-7)
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize("more", [1.2, 1.4, 2.0])
+@pytest.mark.parametrize("guard", ["x <= {at} + {speed}*time", "x - {speed}*time <= {at}"])
+@pytest.mark.parametrize("restitution", [0.5, 0.9, 0.95])
+@pytest.mark.parametrize(("at", "speed"), [(0, 0.3), (1, -0.3), (5.3, 2.0), (0, 1e-3)])
+def test_on_a_table_that_goes_up_or_down_it_lands_as_on_one_that_stands(
+    at: float, speed: float, restitution: float, guard: str, more: float
+) -> None:
+    m = hb.Model("table")
+    m.add(v=hb.One(), i=hb.I(1.0), F=hb.Se(-9.81), floor=hb.Zero())
+    m.add(s=hb.Sf(f"{speed} - {restitution}*(pre(v.f) - ({speed}))"))
+    m.bond("F -> v", "v -> i", "floor -> v", "s -> floor")
+    m.signal(x=hb.Integral("v.f", start=at + 1.0))
+    m.machine(
+        "A",
+        states={"free": [], "hit": ["floor"]},
+        start="free",
+        rules=[
+            f"free -> hit when {guard.format(at=at, speed=speed)} and v.f < {speed}",
+            "hit -> free when pre(A.state == 'hit')",
+        ],
+    )
+    struck = math.sqrt(speed**2 + 2.0 * 9.81)
+    end = (struck - speed + 2.0 * struck * restitution / (1.0 - restitution)) / 9.81
+    run = hb.simulate(m, more * end)
+    assert run.status == "ok"
+    assert run.events[-1].t == pytest.approx(end, rel=1e-6)
+    assert run["v.f"].at(more * end) == pytest.approx(speed, abs=1e-9)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("later", [1.0007, 1.5])
+@pytest.mark.parametrize("restitution", [0.3, 0.9])
+@pytest.mark.parametrize("at", [5.3, 31.7])
+def test_where_the_next_number_is_farther_than_a_step_goes_the_guard_is_met_all_the_same(
+    at: float, restitution: float, later: float, solver: Literal["auto", "radau"]
+) -> None:
+    """Each step ended before it, and moved what is compared by less than its last place."""
+    m = hb.Model("near")
+    m.add(v=hb.One(), i=hb.I(1.0), F=hb.Se(-9.81), floor=hb.Zero())
+    m.add(s=hb.Sf(f"-{restitution}*pre(v.f)"))
+    m.bond("F -> v", "v -> i", "floor -> v", "s -> floor")
+    m.signal(x=hb.Integral("v.f", start=at + 1.0))
+    m.machine(
+        "A",
+        states={"free": [], "near": [], "hit": ["floor"]},
+        start="free",
+        rules=[
+            f"free -> near when x <= {at}",
+            "near -> hit when v.f < 0",
+            f"near -> free when v.f > 0 and x > {at}",
+            "hit -> free when pre(A.state == 'hit')",
+        ],
+    )
+    struck = math.sqrt(2.0 * 9.81)
+    end = struck * (1.0 + 2.0 * restitution / (1.0 - restitution)) / 9.81
+    run = hb.simulate(m, later * end, solver=solver, max_steps=100_000)
+    assert run.status == "ok"
+    assert run["v.f"].at(later * end) == pytest.approx(0.0, abs=1e-9)
+    assert run.events[-1].t == pytest.approx(end, rel=3e-6)

@@ -165,7 +165,7 @@ def moved_from(e: Engine, g: Landings, y: Floats, atom: int, h: float) -> float:
         g.at_rest[j] = y[j] + h * g.rate1[j]
     if evaluate(e, e.mode, g.v, e.t, y) != OK:
         return math.nan
-    if evaluate(e, e.mode, e.v, e.t, g.at_rest) != OK:
+    if evaluate(e, e.mode, e.v, e.t + h, g.at_rest) != OK:
         return math.nan
     return value(m, m.atom_value[atom], e.v) - value(m, m.atom_value[atom], g.v)
 

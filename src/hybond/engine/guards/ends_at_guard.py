@@ -173,7 +173,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
             return find_within(e, g)
         if g.at < math.inf:
             return closer(e, g)
-    if knows_ends(e) and e.step.t1 != longest and about:
+    if knows_ends(e) and e.step.t1 != longest and about and not is_lost(e):
         # the step that ends there has the motion itself, in which no guard holds up to there
         return OK
     # the instant was not found again: the step as it was
@@ -186,12 +186,25 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
     return OK
 
 
+def is_lost(e: Engine) -> bool:
+    """Whether what a step moves something by is lost in the last place of that.
+
+    A step that ends sooner than the next number is no nearer to a guard, nor are those after it.
+    """
+    s = e.step
+    for k in range(e.states):
+        if s.y1[k] == s.y0[k] and s.f0[k] != 0.0 and s.y0[k] != 0.0:
+            return True
+    return False
+
+
 def closer(e: Engine, g: Locator) -> int:
     """Repeat a step in which a guard holds long before its end, until one ends where it does.
 
     Of what has all but died away a polynomial that satisfies the tolerance knows nothing; at the
     end of a step that is propagated is what is left of it. Where that is rounding, within an
-    instant, the guard begins where the longer step has it: others would lead nowhere.
+    instant, or no other number, the guard begins where the longer step has it: others would lead
+    nowhere.
     """
     if not knows_ends(e):
         return OK
@@ -206,7 +219,7 @@ def closer(e: Engine, g: Locator) -> int:
             return REFUSED
         if g.at == math.inf:
             within = e.step.t1 - e.step.t0 <= room_of_instant(e, e.step.t0)
-            if within and ends_in_rounding(e, g):
+            if (within and ends_in_rounding(e, g)) or is_lost(e):
                 return locate(e, g) if retry(e, longer) == OK else REFUSED
             break
     return OK
