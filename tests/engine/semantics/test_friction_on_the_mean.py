@@ -6,6 +6,8 @@ mean of both: where it was asked what it carries in each of them its events accu
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -66,7 +68,10 @@ def test_friction_holds_no_more_than_its_limit_on_the_mean(
     """The disc slips while the drive is on, and sticks while it brakes, or slips the other way."""
     own, load, limit, end = 0.6, 0.3, 2.0, 1.4
     m, first, second, force = disc(high, low, "0.5*time + time^3", turned=turned)
-    lead = lambda s: 0.5 * s + s**3  # noqa: E731
+
+    def lead(s: Any) -> Any:
+        return 0.5 * s + s**3
+
     slips = brentq(lambda s: own * (0.5 + 3 * s * s) + load * lead(s) - limit, 0.1, 1.3)
     run = hb.simulate(m, until=end, solver=solver)
     t = np.linspace(0.02, end * 0.98, 40)

@@ -146,9 +146,9 @@ def hidden_flight(e: Engine, g: Landings, machine: int, target: int) -> float:
                 continue
             moved = moved_from(e, g, e.y, a, h)
             before = moved_from(e, g, g.before, a, h)
-            if math.fabs(moved - before) > OWN * math.fabs(moved):
-                if moved != 0.0:
-                    shortest = min(shortest, 4.0 * near * h / math.fabs(moved))
+            own = math.fabs(moved - before) > OWN * math.fabs(moved)
+            if own and moved != 0.0:
+                shortest = min(shortest, 4.0 * near * h / math.fabs(moved))
     return shortest if shortest < math.inf else 0.0
 
 

@@ -6,7 +6,8 @@ import math
 from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
-from hybond.engine.guards.guard_values import holds_at
+from hybond.engine.expressions.pairs import ROUNDING
+from hybond.engine.guards.guard_values import atom_at, holds_at, terms_here
 from hybond.engine.guards.locate import locate
 from hybond.engine.guards.locator import NONE, Locator
 from hybond.engine.guards.together import (
@@ -31,6 +32,8 @@ NEARLY: Final = 1e-2
 """Part of a step that is its end."""
 NO_TIME: Final = 1e-100
 """Part of the run that is next to none: what holds as soon as time passes holds at any such one."""
+AT_RIM: Final = 2.0
+"""Roundings off its threshold at which what is compared waits to be told from it."""
 FAR: Final = 4.0
 """How many times as far as to the instant a step may go that shows it as it is."""
 
@@ -173,7 +176,7 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
             return find_within(e, g)
         if g.at < math.inf:
             return closer(e, g)
-    if knows_ends(e) and e.step.t1 != longest and about and not is_lost(e):
+    if knows_ends(e) and e.step.t1 != longest and about and not is_lost(e, g):
         # the step that ends there has the motion itself, in which no guard holds up to there
         return OK
     # the instant was not found again: the step as it was
@@ -186,16 +189,26 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
     return OK
 
 
-def is_lost(e: Engine) -> bool:
-    """Whether what a step moves something by is lost in the last place of that.
+def is_lost(e: Engine, g: Locator) -> bool:
+    """Whether what a step moves something by is lost in the last place of that, at a threshold.
 
     A step that ends sooner than the next number is no nearer to a guard, nor are those after it.
+    What stands still elsewhere, as what is large and not connected, is no matter of a guard.
     """
     s = e.step
+    stands = False
     for k in range(e.states):
-        if s.y1[k] == s.y0[k] and s.f0[k] != 0.0 and s.y0[k] != 0.0:
-            return True
-    return False
+        stands = stands or (s.y1[k] == s.y0[k] and s.f0[k] != 0.0 and s.y0[k] != 0.0)
+    if not stands:
+        return False
+    lost = False
+    for k in range(g.guards):
+        for a in range(g.atom_first[k], g.atom_first[k + 1]):
+            before = atom_at(e, g, a, s.t0)
+            there = atom_at(e, g, a, s.t1)
+            near = math.fabs(there) <= AT_RIM * ROUNDING * terms_here(e, g, k, a)
+            lost = lost or (near and there == before)
+    return lost
 
 
 def closer(e: Engine, g: Locator) -> int:
@@ -219,7 +232,7 @@ def closer(e: Engine, g: Locator) -> int:
             return REFUSED
         if g.at == math.inf:
             within = e.step.t1 - e.step.t0 <= room_of_instant(e, e.step.t0)
-            if (within and ends_in_rounding(e, g)) or is_lost(e):
+            if (within and ends_in_rounding(e, g)) or is_lost(e, g):
                 return locate(e, g) if retry(e, longer) == OK else REFUSED
             break
     return OK
