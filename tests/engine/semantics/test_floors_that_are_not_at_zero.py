@@ -147,7 +147,7 @@ def test_on_a_table_that_goes_up_or_down_it_lands_as_on_one_that_stands(
 @pytest.mark.parametrize("at", [5.3, 31.7])
 @pytest.mark.parametrize(
     ("solver", "beside"),
-    [("auto", False), ("radau", False), ("rk45", True), ("radau", True)],
+    [("auto", False), ("radau", False), ("auto", True), ("rk45", True), ("radau", True)],
 )
 def test_where_the_next_number_is_farther_than_a_step_goes_the_guard_is_met_all_the_same(
     beside: bool,

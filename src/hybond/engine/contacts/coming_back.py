@@ -58,7 +58,7 @@ def comes_back(e: Engine, g: Landings, k: int) -> bool:
         return struck_in_vain(e, g, machine)
     if not leads_to(e, g, machine, target):
         return False
-    g.touch_hidden[k] = hidden_flight(e, g, machine, target)
+    g.touch_hidden[k] = hidden_flight(e, g, machine)
     return True
 
 
@@ -121,8 +121,8 @@ def leads_to(e: Engine, g: Landings, machine: int, target: int) -> bool:
     return struck_in_vain(e, g, machine)
 
 
-def hidden_flight(e: Engine, g: Landings, machine: int, target: int) -> float:
-    """Return how long a flight is that rounding hides from the rules that lead back.
+def hidden_flight(e: Engine, g: Landings, machine: int) -> float:
+    """Return how long a flight is that rounding hides from the rules of the machine as it is.
 
     Where something is, is compared with where the floor is, and has the rounding of that: at 5 m a
     rebound of 1e-15 m is none, however high those before have been. A flight rises by a quarter of
@@ -136,7 +136,7 @@ def hidden_flight(e: Engine, g: Landings, machine: int, target: int) -> float:
     h = g.ahead_t - e.t
     shortest = math.inf
     for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        if m.rule_source[r] != e.state[machine] or m.rule_target[r] != target:
+        if m.rule_source[r] != e.state[machine]:
             continue
         for a in range(m.atom_first[r], m.atom_first[r + 1]):
             if evaluate(e, e.mode, g.v, e.t, e.y) != OK:
