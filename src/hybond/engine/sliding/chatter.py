@@ -15,7 +15,7 @@ from hybond.engine.engine import Engine, say_fault
 from hybond.engine.laws.branches import follow
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.sliding.filippov import ABOVE, SLIDES
-from hybond.engine.sliding.ways_on import A_WAY, STOPS, decide
+from hybond.engine.sliding.ways_on import A_WAY, NO_WAY, STOPS, decide
 from hybond.engine.sliding.what_happened import is_held
 from hybond.engine.surfaces.corners import count_corners, put_corner, put_side
 from hybond.engine.words import Ints
@@ -100,7 +100,14 @@ def moves_surface(e: Engine) -> int:
 
 
 def stop_at(e: Engine, machine: int) -> int:
-    """Refuse a machine that is another after each turn."""
+    """Refuse a machine that is another after each turn, but for what strikes its contact.
+
+    Impacts are instants of their own, and end where they accumulate.
+    """
+    m = e.model
+    for state in range(m.state_first[machine], m.state_first[machine + 1]):
+        if m.contact_at[state] >= 0:
+            return NO_WAY
     say_fault(e, "HB-N415", "what follows a switch that slides has no limit", "")
     return tell_of_surfaces(e, machine)
 
