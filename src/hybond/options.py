@@ -294,7 +294,7 @@ OPTIONS: Mapping[str, Option] = {
             "transitions after which an instant that does not end is refused",
             "HB-S120",
             "a whole number, one or more",
-            default=1000,
+            default=10_000,
             bounds=(1, math.inf),
         ),
         Option(

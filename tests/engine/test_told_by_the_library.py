@@ -22,7 +22,7 @@ from hybond.engine.tables import answered, tables_of
 from hybond.engine.tables.options import METHODS
 
 Run = Callable[..., hb.Result]
-LIMITS = {"max_writes": 1000.0, "max_events": 1e6, "max_steps": 4e6}
+LIMITS = {"max_writes": 10_000.0, "max_events": 1e6, "max_steps": 4e6}
 
 
 WRITTEN = json.loads(Path(__file__).with_name("told.json").read_text(encoding="utf-8"))

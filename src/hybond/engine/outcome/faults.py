@@ -62,7 +62,8 @@ HINTS = {
     "HB-N305": "look for a division by zero or a root of a negative number",
     "HB-N401": "make the guards of the cycle exclude each other for this state, for instance with "
     "a threshold on pre() of a stored quantity",
-    "HB-N402": "an inelastic collapse: make the contact plastic below a speed",
+    "HB-N402": "an inelastic collapse: make the contact plastic below a speed; or raise "
+    "max_writes, if each write moves less than the one before",
     "HB-N403": "its exit must be true for the state that the jump wrote, such as "
     "pre(a.f) <= pre(b.f) after an impact",
     "HB-N404": "look for chattering, or raise max_events",
