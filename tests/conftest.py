@@ -103,10 +103,10 @@ def sample(items: list[pytest.Item]) -> None:
     """Of a test with many cases keep some; the rest are slow.
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
-    ``parametrize`` make, it keeps an eighth, and of a small one a third, in which the values of
+    ``parametrize`` make, it keeps a twelfth, and of a small one a fourth, in which the values of
     each come about as often as each other. Those are at least as many as its longest axis has
     values, but for one that is marked. Of a long list it keeps the first and from the second on
-    every third one, of one as long as a large grid every fourth.
+    every third one, of one as long as a large grid every sixth.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -122,10 +122,10 @@ def sample(items: list[pytest.Item]) -> None:
             if is_grid(lengths_of(found), found) and many < len(found):
                 kept = balanced(lengths_of(found), many)
         elif is_grid(lengths_of(found), found) and len(found) >= SMALL_GRID:
-            many = -(-len(found) // (8 if len(found) >= LARGE_GRID else 3))
+            many = -(-len(found) // (12 if len(found) >= LARGE_GRID else 4))
             kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
         else:
-            every = 4 if len(found) >= LARGE_GRID else 3 if len(found) >= LONG_LIST else 1
+            every = 6 if len(found) >= LARGE_GRID else 3 if len(found) >= LONG_LIST else 1
             # the second too: of solvers it is the other kind
             kept = {0, *range(1, len(found), every)}
         for k, item in enumerate(found):

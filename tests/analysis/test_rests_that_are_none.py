@@ -39,7 +39,7 @@ def torque_of_spring(angle: float, start: float) -> float:
     return float(-300.0 * 0.2 * (np.cos(angle) - np.cos(start)) * -0.2 * np.sin(angle))
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(
     ("start", "torque", "end"), [(1.1, 0.4, 1.3), (1.1, -0.9, 0.95), (2.0, 1.5, 2.3), (-1.2, 1, -1)]

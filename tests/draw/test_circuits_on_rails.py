@@ -134,7 +134,7 @@ def test_power_goes_from_left_to_right(name: str, folder: str) -> None:
 
 
 @pytest.mark.sampled(3)
-@pytest.mark.parametrize("name", [*EACH, "ladder40"])
+@pytest.mark.parametrize("name", [*EACH, pytest.param("ladder40", marks=pytest.mark.slow)])
 def test_wires_of_nets_are_apart_and_no_symbol_is_crossed(name: str, folder: str) -> None:
     drawing, groups = drawn(name, folder)
     found = wires(drawing)

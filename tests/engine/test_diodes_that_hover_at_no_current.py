@@ -115,6 +115,7 @@ def by_hand(sizes: tuple[float, ...], until: float, ts: np.ndarray) -> np.ndarra
     return out
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("sizes", "until"), SIZES.values(), ids=SIZES)
 def test_a_valve_whose_flow_dies_out_lets_time_go_on(
     sizes: tuple[float, ...], until: float

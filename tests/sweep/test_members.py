@@ -43,7 +43,7 @@ def same(many: hb.Ensemble, k: int, run: hb.Result) -> None:
         np.testing.assert_array_equal(many.samples[name][k][there], values[name])
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("example", "path"), cases())
 def test_what_is_written_is_what_is_made_anew(example: str, path: str) -> None:
     model = hb.load(EXAMPLES / f"{example}.toml")
