@@ -15,7 +15,7 @@ DROP, PUSH = 1.0, 9.81
 SENSORS = {
     "both": ["far -> at when x <= {at} and v.f < 0", "at -> far when v.f >= 0 or x > {at}"],
     "struck": ["far -> at when x <= {at} and v.f < 0", "at -> far when A.state == 'hit'"],
-    "place": ["far -> at when x <= {at} and v.f < 0", "at -> far when x > {at} or v.f > 0"],
+    "place": ["far -> at when x <= {at}", "at -> far when x > {at}"],
     "back": ["far -> at when x <= {at} and v.f < 0", "at -> far when pre(S.state == 'at')"],
 }
 

@@ -122,34 +122,44 @@ def leads_to(e: Engine, g: Landings, machine: int, target: int) -> bool:
 
 
 def hidden_flight(e: Engine, g: Landings, machine: int) -> float:
-    """Return how long a flight is that rounding hides from the rules of the machine as it is.
+    """Return how long a flight is that rounding hides from the rules of the machines as they are.
 
     Where something is, is compared with where the floor is, and has the rounding of that: at 5 m a
     rebound of 1e-15 m is none, however high those before have been. A flight rises by a quarter of
-    what it would if it went on as it begins. What moves alike before the impact and behind it is
-    moved by something else, and counts for nothing.
+    what it would if it went on as it begins.
     """
     m = e.model
     look_ahead(e, g, machine)
     if mode_of(e, g.ahead) != OK or combine_here(e, g.ahead) != OK:
         return 0.0
-    h = g.ahead_t - e.t
     shortest = math.inf
-    for r in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        if m.rule_source[r] != e.state[machine]:
-            continue
-        for a in range(m.atom_first[r], m.atom_first[r + 1]):
-            if evaluate(e, e.mode, g.v, e.t, e.y) != OK:
-                return 0.0
-            near = ROUNDING * math.fabs(value(m, m.atom_size[a], g.v))
-            if not math.fabs(value(m, m.atom_value[a], g.v)) <= AT_FLOOR * near:
+    known = False
+    for k in range(m.machines):
+        # another machine may be the one that looks where the contact is
+        for r in range(m.rule_first[k], m.rule_first[k + 1]):
+            if m.rule_source[r] != e.state[k]:
                 continue
-            moved = moved_from(e, g, e.y, a, h)
-            before = moved_from(e, g, g.before, a, h)
-            own = math.fabs(moved - before) > OWN * math.fabs(moved)
-            if own and moved != 0.0:
-                shortest = min(shortest, 4.0 * near * h / math.fabs(moved))
+            for a in range(m.atom_first[r], m.atom_first[r + 1]):
+                known = known or evaluate(e, e.mode, g.v, e.t, e.y) == OK
+                if not known:
+                    return 0.0
+                near = ROUNDING * math.fabs(value(m, m.atom_size[a], g.v))
+                if math.fabs(value(m, m.atom_value[a], g.v)) <= AT_FLOOR * near:
+                    shortest = min(shortest, hidden_from(e, g, a, near))
+                    known = False
     return shortest if shortest < math.inf else 0.0
+
+
+def hidden_from(e: Engine, g: Landings, atom: int, near: float) -> float:
+    """Return how long a flight is that is no farther than the rounding of a comparison; inf: none.
+
+    What moves alike before the impact and behind it is moved by something else.
+    """
+    h = g.ahead_t - e.t
+    moved = moved_from(e, g, e.y, atom, h)
+    before = moved_from(e, g, g.before, atom, h)
+    own = math.fabs(moved - before) > OWN * math.fabs(moved)
+    return 4.0 * near * h / math.fabs(moved) if own and moved != 0.0 else math.inf
 
 
 def moved_from(e: Engine, g: Landings, y: Floats, atom: int, h: float) -> float:
