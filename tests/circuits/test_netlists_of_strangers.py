@@ -330,3 +330,24 @@ def test_an_oscillator_without_a_rest_starts_from_zero(read, law, low, high, fir
         times.append(at)
         level, to = end, levels[0] if to > 0 else levels[1]
     assert [e.t for e in run.events if e.t > 0][:5] == pytest.approx(times, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("card", "said", "law"),
+    [
+        ("C2 out 0 C='1u*(1+0.1*V(out))'", "a capacitance that reads V(out)", "C = { e = '...' }"),
+        ("C2 out 0 {1u + 1n*V(in)}", "a capacitance that reads V(in)", "C = { e = '...' }"),
+        ("C2 out 0 Q='1u*x+0.1u*x^2'", "the law q=", "C = { e = '...' }, e of its charge q"),
+        ("L2 out 0 Flux=1m*tanh(x)", "the law flux=", "I = { f = '...' }, f of its flux p"),
+        ("l2 out 0 '1m/(1+I(V1)*I(V1))'", "an inductance that reads I(V1)", "I = { f = '...' }"),
+    ],
+)
+def test_storage_that_bends_is_named_with_its_law(card, said, law, tmp_path) -> None:
+    text = f"bent\nV1 in 0 SIN(0 5 1k)\nR1 in out 1k\n{card}\n.tran 1u 5m\n.end\n"
+    (tmp_path / "bent.cir").write_text(text, encoding="utf-8")
+    with pytest.raises(hb.ModelError) as refused:
+        hb.read_circuit(tmp_path / "bent.cir")
+    assert refused.value.code == "HB-F136"
+    assert said in str(refused.value)
+    assert law in str(refused.value)
+    assert f"give {card.split()[0]} a law" in str(refused.value)

@@ -10,6 +10,7 @@ from hybond.circuits.behaviour import READ, Law, behaviour_of
 from hybond.circuits.formulas import read_formula
 from hybond.circuits.notices import Line, Notices
 from hybond.circuits.numerals import LETTERED, numeral
+from hybond.errors import FileError
 from hybond.model.expressions import Binary, Expr, Number
 
 _WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|[()=]|[^\s(){}=,'\"]+|(\S)")
@@ -52,6 +53,7 @@ PARASITICS |= {"v": ("rser", "cpar")}
 _SHAPE = ("td", "r")
 _OPTIONS = {"r": {"r", "m"}, "c": {"c", "ic", "m"}, "l": {"l", "ic", "m"}, "v": {*_SHAPE}}
 _OPTIONS |= {"d": {"area", "ic", "m"}, "i": {*_SHAPE}, "e": set(), "f": set(), "g": set()}
+_BENT = {"c": ("a capacitance", "q"), "l": ("an inductance", "flux")}
 _OPTIONS |= {"h": set(), "s": set(), "w": set()}
 _SPECIAL = frozenset(
     {"poly", "value", "table", "laplace", "freq", "cur", "vol", "chebyshev", "delay"}
@@ -231,6 +233,8 @@ def _check_options(kind: str, options: dict[str, str], line: Line, notices: Noti
     for option in options:
         if option in _IGNORED:
             notices.add(line, f"{option} is left out: parts are ideal at every temperature")
+        elif kind in _BENT and option == _BENT[kind][1]:
+            raise _bent(line, line.text.split(None, 1)[0], f"the law {option}={options[option]}")
         elif option not in _OPTIONS[kind] and option not in PARASITICS.get(kind, ()):
             raise line.refuse(
                 f"the option {option!r} is not understood",
@@ -264,12 +268,25 @@ def _passive(
             code="HB-F136",
             hint=f"write B{name} {nodes[0]} {nodes[1]} I=V({nodes[0]},{nodes[1]})/({law})",
         )
+    if kind != "r" and (read := READ.search(values[0])):
+        raise _bent(line, name, f"{_BENT[kind][0]} that reads {read[0]}")
     value = read_formula(values[0], line)
     if "m" in options:
         value = _several(kind, value, options, line)
     if LETTERED.fullmatch(values[0]) and isinstance(value, Number):
         notices.add(line, f"{values[0]} is {value.value:g}: the letter stands for the point")
     return Card(name, line, nodes, value, start)
+
+
+def _bent(line: Line, name: str, what: str) -> FileError:
+    """Return the refusal of storage whose value depends on its state; the model has laws for it."""
+    kind, own = (("C", "e of its charge q"), ("I", "f of its flux p"))[name[0] in "lL"]
+    law = f"{kind} = {{ {own[0]} = '...' }}"
+    return line.refuse(
+        what,
+        code="HB-F136",
+        hint=f"write a number here, convert, and give {name} a law in the model: {law}, {own}",
+    )
 
 
 def _several(kind: str, value: Expr, options: Mapping[str, str], line: Line) -> Expr:

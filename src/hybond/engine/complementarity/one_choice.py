@@ -194,7 +194,7 @@ def put_open(b: Branching, solved: int) -> None:
             along = 0.0
             for i in range(n):
                 along += b.basis[i * many + other] * b.basis[i * many + c]
-            length = math.sqrt(along)
+            length = math.sqrt(along) if other == c else 1.0
             for i in range(n):
                 if other < c:
                     b.basis[i * many + c] -= along * b.basis[i * many + other]

@@ -170,8 +170,10 @@ def size_here(e: Engine, g: Locator, a: int) -> float:
 def terms_here(e: Engine, g: Locator, k: int, a: int) -> float:
     """Return the same with each bond variable as large as what it cancels from.
 
-    Its own value may be nothing but rounding of that.
+    Its own value may be nothing but rounding of that. What allows sliding reads no signals.
     """
+    if g.atom[a] < 0:
+        return size_here(e, g, a)
     measure_here(e, g, k)
     swap_terms(e, g, k)
     size = size_here(e, g, a)

@@ -17,7 +17,7 @@ from hybond.engine.jumps.trial import (
     take_factors,
     write_entry,
 )
-from hybond.engine.laws.law_instant import NO_LAW_VALUE, slides_within
+from hybond.engine.laws.law_instant import LAW_ZERO, NO_LAW_VALUE, slides_within
 from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import (
     NO_VALUES_AHEAD,
@@ -26,8 +26,9 @@ from hybond.engine.laws.law_rates import (
     turns_at_once,
 )
 from hybond.engine.laws.law_records import AGAIN, TURNED, Laws
+from hybond.engine.laws.ports import open_mode
 from hybond.engine.mode.digits.reach import reach_of
-from hybond.engine.mode.mode_records import is_constrained
+from hybond.engine.mode.mode_records import Mode, is_constrained
 from hybond.engine.mode.nonlinear.agreement import check_agreement
 from hybond.engine.mode.rows.storage import energy_of
 from hybond.engine.model import Model
@@ -162,15 +163,25 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
     if e.moved != JUMPS:
         # no more than rounding of the constraint's own terms, however little is stored yet
         return STANDS
-    reach_of(e, e.mode, r.here, e.work.reach)
+    if sweeps_dust(e, r, e.mode, DUST_OF_STATE):
+        return STANDS
+    # what is stored was put on what the machines' mode asks for, with all laws open: what they
+    # connect there has got rounding of all of that, and what they part holds none of it alone
+    return STANDS if sweeps_dust(e, r, open_mode(e, r.now), LAW_ZERO) else NO_ENTRY
+
+
+def sweeps_dust(e: Engine, r: Laws, mode: Mode, part: float) -> bool:
+    """Whether what is swept up is no more than that part of what a mode's parts may hold."""
+    m = e.model
+    reach_of(e, mode, r.here, e.work.reach)
     for k in range(m.storages):
         change = math.fabs(r.swept[k] - r.here[k])
-        dust = DUST_OF_STATE * (math.fabs(r.here[k]) + e.work.reach[k])
+        dust = part * (math.fabs(r.here[k]) + e.work.reach[k])
         for j in range(m.ports):
             dust += math.fabs(r.response.e[k * m.ports + j]) * slides_within(e, r, j)
         if not change <= dust:
-            return NO_ENTRY
-    return STANDS
+            return False
+    return True
 
 
 def leap_candidate(e: Engine, r: Laws, x: Floats, signals: Floats) -> int:
