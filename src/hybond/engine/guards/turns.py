@@ -8,11 +8,18 @@ the comparisons themselves between all of them.
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 from hybond.engine.engine import Engine
 from hybond.engine.guards.bracket import root_between
 from hybond.engine.guards.candidates import extrema, keep, sort
 from hybond.engine.guards.guard_values import atom_at
 from hybond.engine.guards.locator import SAMPLES, Locator
+from hybond.engine.methods.explicit.dopri import spacing
+
+BESIDE: Final = 8.0
+"""How far beside a root it is looked, in last places: twice as far as roots are narrowed to."""
 
 
 def mark_turns(e: Engine, g: Locator, k: int, end: float) -> bool:
@@ -52,6 +59,17 @@ def between_turns(e: Engine, g: Locator, k: int, end: float) -> None:
             keep(g.candidate, 0.5 * (g.mark.at[i] + g.mark.at[i + 1]))
 
 
+def keep_sides(g: Locator, low: float, at: float, high: float) -> None:
+    """Mark both sides of a root: what jumps there may hold until then, or from then on, only."""
+    away = BESIDE * spacing(max(math.fabs(low), math.fabs(high)))
+    if at - away > low:
+        keep(g.mark, at - away)
+        keep(g.candidate, at - away)
+    if at + away < high:
+        keep(g.mark, at + away)
+        keep(g.candidate, at + away)
+
+
 def mark_roots(e: Engine, g: Locator, a: int, end: float, asked: bool) -> None:
     """Mark where a comparison changes its sign between any two neighbours of what is marked.
 
@@ -67,6 +85,8 @@ def mark_roots(e: Engine, g: Locator, a: int, end: float, asked: bool) -> None:
         if (before > 0.0 and there < 0.0) or (before < 0.0 and there > 0.0):
             at = root_between(e, g, a, g.mark.at[i - 1], before, g.mark.at[i], there)
             keep(g.mark, at)
+            if asked:
+                keep_sides(g, g.mark.at[i - 1], at, g.mark.at[i])
             if asked:
                 keep(g.candidate, at)
         before = there

@@ -89,7 +89,7 @@ def _own(e: Expr) -> list[Expr]:
             return [a]
         case Call("hypot", args):
             return list(args)
-        case Call("min" | "max") | Table():
+        case Call("min" | "max" | "floor" | "ceil" | "mod" | "sign") | Table():
             return turning(e)
         case Binary("^", a, Number(power)):
             return [a] if is_slotted(power) or (power % 2.0 == 0.0 or power < 0.0) else []
