@@ -175,6 +175,12 @@ def land_first(e: Engine, g: Locator, room: float) -> int:
         if locate(e, g) != OK:
             return find_within(e, g)
         if g.at < math.inf:
+            begins = g.at - e.step.t0 <= room and at - e.step.t0 > room
+            if begins and is_kink_alone(e, g):
+                # what rests on a kink lies beside it by what stages are off, up to this one
+                g.looked = math.nan
+                g.at = at
+                return OK
             return closer(e, g)
     if knows_ends(e) and e.step.t1 != longest and about and not is_lost(e, g):
         # the step that ends there has the motion itself, in which no guard holds up to there
