@@ -5,6 +5,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import grow_places
 from hybond.engine.algebra.products import copy_floats, copy_part, copy_places
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import machine_name
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.expressions.paired import holds
@@ -17,7 +18,7 @@ from hybond.engine.jumps.trial import (
     take_factors,
     write_entry,
 )
-from hybond.engine.laws.law_instant import LAW_ZERO, NO_LAW_VALUE, slides_within
+from hybond.engine.laws.law_instant import NO_LAW_VALUE, slides_within
 from hybond.engine.laws.law_parallel import add_left
 from hybond.engine.laws.law_rates import (
     NO_VALUES_AHEAD,
@@ -167,7 +168,7 @@ def sweep_candidate(e: Engine, r: Laws) -> int:
         return STANDS
     # what is stored was put on what the machines' mode asks for, with all laws open: what they
     # connect there has got rounding of all of that, and what they part holds none of it alone
-    return STANDS if sweeps_dust(e, r, open_mode(e, r.now), LAW_ZERO) else NO_ENTRY
+    return STANDS if sweeps_dust(e, r, open_mode(e, r.now), EPSILON) else NO_ENTRY
 
 
 def sweeps_dust(e: Engine, r: Laws, mode: Mode, part: float) -> bool:

@@ -70,8 +70,8 @@ PRECISE: Final = 1e-14
 LONGER: Final = 2.5
 """What a motion may last to what the last one in its mode has: its first step goes no further."""
 OF_POWERS: Final = 12.0
-"""How many times as far off as the estimate a first step may be: one along t^1.5, as the force of
-Hertz from a touch on, is 11.3 times. Its two formulas are nearly alike there."""
+"""How many times as far off as the estimate a step from a kink may be: one along t^1.5, as the force
+of Hertz from a touch on, is 11.3 times. Its two formulas are nearly alike there."""
 
 
 def is_propagated(e: Engine) -> bool:
@@ -163,8 +163,7 @@ def attempt(e: Engine, t1: float) -> float:
     if is_propagated(e):
         return exact_attempt(e, t1)
     error = dopri_attempt(e, t1)
-    bends = e.model.kinks > 0 or e.model.edges > 0
-    return OF_POWERS * error if bends and e.step.t0 == e.step.began else error
+    return OF_POWERS * error if e.step.t0 == e.step.bent_at else error
 
 
 def accept(e: Engine, t1: float) -> None:

@@ -104,6 +104,7 @@ class Step:
     onset: Floats
     """What each state that has not moved will be a moment later, and until when that is known."""
     onset_end: float
+    bent_at: float  # when it began where a law with powers or roots bends
     passed: Floats
     """A moment that is passed to see that."""
     passed_next: Floats
@@ -158,6 +159,7 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.rate = floats(n)
     s.onset = floats(n)
     s.onset_end = -math.inf
+    s.bent_at = -math.inf
     s.passed = floats(n)
     s.passed_next = floats(n)
     s.began_at = floats(n)
