@@ -246,8 +246,7 @@ def go_behind(e: Engine, r: Run) -> int:
     before = e.step.h
     if start(e, e.t, e.y, bound_of(e), True) != OK:
         return -1
-    if e.model.edges > 0 and not r.jumps:
-        e.step.bent_at = e.t
+    e.step.bent_at = e.t
     if is_crowded(e, r):
         e.step.onset_end = learned  # a moment later is behind many more of them
         e.step.h = min(e.step.h, GROW * before)  # rates alone know nothing of what they are led to

@@ -104,7 +104,7 @@ class Step:
     onset: Floats
     """What each state that has not moved will be a moment later, and until when that is known."""
     onset_end: float
-    bent_at: float  # when it began where a law with powers or roots bends
+    bent_at: float  # when a motion has last begun on a kink
     passed: Floats
     """A moment that is passed to see that."""
     passed_next: Floats
