@@ -76,6 +76,7 @@ NOT_TO_BE_SOLVED = {
 }
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("source", "law"), NOT_TO_BE_SOLVED.values(), ids=NOT_TO_BE_SOLVED)
 def test_no_solution_that_counts_as_open(
     monkeypatch: pytest.MonkeyPatch, source: str, law: str

@@ -87,7 +87,6 @@ def mark_roots(e: Engine, g: Locator, a: int, end: float, asked: bool) -> None:
             keep(g.mark, at)
             if asked:
                 keep_sides(g, g.mark.at[i - 1], at, g.mark.at[i])
-            if asked:
                 keep(g.candidate, at)
         before = there
     sort(g.mark)
