@@ -42,14 +42,14 @@ def decide_led(e: Engine) -> int:
     for turn in range(MOST):
         decided = decide(e)
         if s.restless != RETURNS:
-            return stop_at(e, s.restless)
+            return refuse_restless(e, s.restless)
         if decided != A_WAY:
             if decided != STOPS:
                 copy_places(m.machines, s.settled, 0, s.around, 0)
             return decided
         other = other_after_turns(e)
         if s.restless != RETURNS:
-            return stop_at(e, s.restless)
+            return refuse_restless(e, s.restless)
         if other == RETURNS:
             return go_where_led(e)
         # a state that comes again does so for ever: it is held against that of 1, 2, 4, ... turns
@@ -57,12 +57,12 @@ def decide_led(e: Engine) -> int:
         for k in range(m.machines):
             same = same and s.around[k] == s.turned[k]
         if same:
-            return stop_at(e, other)
+            return refuse_restless(e, other)
         if turn & (turn - 1) == 0:
             copy_places(m.machines, s.around, 0, s.turned, 0)
         s.met = met
         copy_places(met, s.first_met, 0, s.met_surface, 0)
-    return stop_at(e, other)
+    return refuse_restless(e, other)
 
 
 def go_where_led(e: Engine) -> int:
@@ -73,8 +73,8 @@ def go_where_led(e: Engine) -> int:
         return tell_of_surfaces(e, swaying)
     other = other_by_phase(e)
     if e.slide.restless != RETURNS:
-        return stop_at(e, e.slide.restless)
-    return A_WAY if other == RETURNS else stop_at(e, other)
+        return refuse_restless(e, e.slide.restless)
+    return A_WAY if other == RETURNS else refuse_restless(e, other)
 
 
 def moves_surface(e: Engine) -> int:
@@ -99,14 +99,17 @@ def moves_surface(e: Engine) -> int:
     return RETURNS
 
 
-def stop_at(e: Engine, machine: int) -> int:
-    """Refuse a machine that is another after each turn, but for what strikes its contact.
+def refuse_restless(e: Engine, machine: int) -> int:
+    """Refuse a machine that is another after each turn; one with a contact is struck by each.
 
-    Impacts are instants of their own, and end where they accumulate.
+    Impacts are instants of their own, and end where they accumulate: then nothing slides, and no
+    machine has been led anywhere.
     """
     m = e.model
+    s = e.slide
     for state in range(m.state_first[machine], m.state_first[machine + 1]):
         if m.contact_at[state] >= 0:
+            copy_places(m.machines, s.settled, 0, s.around, 0)
             return NO_WAY
     say_fault(e, "HB-N415", "what follows a switch that slides has no limit", "")
     return tell_of_surfaces(e, machine)
