@@ -102,13 +102,13 @@ def moves_surface(e: Engine) -> int:
 def refuse_restless(e: Engine, machine: int) -> int:
     """Refuse a machine that is another after each turn; one with a contact is struck by each.
 
-    Impacts are instants of their own, and end where they accumulate: then nothing slides, and no
-    machine has been led anywhere.
+    Impacts are instants of their own, and end where they accumulate: where nothing else slides,
+    nothing does, and no machine has been led anywhere.
     """
     m = e.model
     s = e.slide
     for state in range(m.state_first[machine], m.state_first[machine + 1]):
-        if m.contact_at[state] >= 0:
+        if s.many == 0 and m.contact_at[state] >= 0:
             copy_places(m.machines, s.settled, 0, s.around, 0)
             return NO_WAY
     say_fault(e, "HB-N415", "what follows a switch that slides has no limit", "")
