@@ -196,8 +196,8 @@ class Bent(Signals):
 
     bond, flow = 0, 0.0
 
-    def bonds(self, segment):
-        w = np.array(super().bonds(segment))
+    def bonds(self, segment, end=None):
+        w = np.array(super().bonds(segment, end))
         w[len(self.graph.bonds) + self.bond] += self.flow
         return w
 

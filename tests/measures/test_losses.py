@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import hybond as hb
+from hybond.measures import energies
+from hybond.measures.window import window_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -291,3 +293,26 @@ def test_losses_and_audit_judge_by_one_rule() -> None:
     # what no step accounts for is no less wrong for it
     wrong = dataclasses.replace(losses, rows=losses.rows[1:], beyond=math.inf)
     assert not wrong.holds()
+
+
+def test_where_next_to_nothing_passes_is_measured_against_the_rest_of_the_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a long run a part is integrated at a time: the end of one that has died out alone too.
+
+    Of ``V**2/R*exp(-2*t/(R*C))`` next to nothing is left there, known by its last digits.
+    """
+    m = hb.Model("discharged", domain="electrical")
+    m.add(c=hb.C("1 uF", e="10 V"), c2=hb.C("1 uF", e="10 V"))
+    m.add(r=hb.R("1 kohm"), r2=hb.R("1 kohm"), a=hb.Zero(), b=hb.Zero())
+    m.bond("a -> c", "a -> r", "b -> c2", "b -> r2")
+    run = hb.simulate(m, "60 ms")
+    nodes = energies.power_nodes(run.graph)
+    window = window_of(run, start=None, end=None, period=None, periods=None)
+    at_once = energies.energies_into(run, nodes, window)
+    monkeypatch.setattr(energies, "AT_ONCE", 22 * 4 * len(at_once.low) // 9)
+    in_parts = energies.energies_into(run, nodes, window)
+    assert len(in_parts.low) <= 1.1 * len(at_once.low)
+    taken = dict(zip([n.path for n in nodes], in_parts.total.tolist(), strict=True))
+    assert taken["r"] == pytest.approx(0.5e-6 * 100.0, rel=1e-8)
+    assert taken["c"] == pytest.approx(-0.5e-6 * 100.0, rel=1e-8)

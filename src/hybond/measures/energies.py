@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.errors import UsageError
-from hybond.measures.pieces import Known, Pieces, resolved, steps_of
+from hybond.measures.pieces import Known, Pieces, Size, resolved, steps_of
 from hybond.measures.window import TOLERANCE, Window
 from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph, Node
@@ -114,8 +114,15 @@ def energies_into(
         # a model without bonds of power, all of them pseudo
         return Passed(steps.low, steps.high, np.zeros((0, len(steps))))
     known: list[Known] = []
-    for stretch in _stretches(steps, len(bonds)):
-        known.append(resolved(rows, stretch, name="power", shared=len(nodes), tolerance=tolerance))
+    stretches = list(_stretches(steps, len(bonds)))
+    # what next to nothing passes in is a part of all the others
+    sizes = [Size.of(rows, stretch) for stretch in stretches if len(stretches) > 1]
+    for k, stretch in enumerate(stretches):
+        beside = Size.joined(sizes[:k] + sizes[k + 1 :])
+        found = resolved(
+            *(rows, stretch), name="power", shared=len(nodes), tolerance=tolerance, beside=beside
+        )
+        known.append(found)
     return Passed(
         np.concatenate([p.pieces.low for p in known]),
         np.concatenate([p.pieces.high for p in known]),

@@ -7,7 +7,7 @@ be less smooth (``abs(L.f)``): pieces are halved until their polynomial says wha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -268,6 +268,7 @@ def resolved(
     name: str,
     shared: int,
     tolerance: float = TOLERANCE,
+    beside: Size | None = None,
 ) -> Known:
     """Return rows of functions in pieces as short as it takes; arguments as `integrable`.
 
@@ -275,12 +276,14 @@ def resolved(
     ----------
     rows : callable
         Functions at Chebyshev's points of pieces, shape (functions, pieces, 11).
+    beside : Size, optional
+        What the functions have elsewhere: these pieces are a part of what is integrated.
     """
     allowed = len(todo) + LIMIT
-    length = float(2.0 * todo.half.sum())
+    length = float(2.0 * todo.half.sum()) + (0.0 if beside is None else beside.length)
     done: list[tuple[Pieces, Vector]] = []
-    before: Vector = np.zeros(1)
-    peak: Vector = np.zeros(1)
+    before: Vector = np.zeros(1) if beside is None else beside.sums
+    peak: Vector = np.zeros(1) if beside is None else beside.peak
     count = 0
     for _ in range(ROUNDS):
         made = rows(todo)
@@ -305,6 +308,41 @@ def resolved(
         raise unknown(name, tolerance)
     pieces, order = Pieces.joined([p for p, _ in done])
     return Known(pieces, np.concatenate([f for _, f in done], axis=1)[:, order])
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """How large functions are in some pieces.
+
+    Parameters
+    ----------
+    sums, peak : arrays, shape (functions,)
+        Integrals of their magnitudes, and their largest ones.
+    length : float
+        Of the pieces, s.
+    """
+
+    sums: Vector
+    peak: Vector
+    length: float
+
+    @staticmethod
+    def of(rows: Callable[[Pieces], Vector], pieces: Pieces) -> Size:
+        """Return that in pieces that are not cut."""
+        made = np.abs(rows(pieces))
+        length = float(2.0 * pieces.half.sum())
+        return Size(made @ WEIGHTS @ pieces.half, made.max(axis=(1, 2)), length)
+
+    @staticmethod
+    def joined(sizes: Sequence[Size]) -> Size | None:
+        """Return that of several together."""
+        if not sizes:
+            return None
+        return Size(
+            np.sum([s.sums for s in sizes], axis=0),
+            np.max([s.peak for s in sizes], axis=0),
+            sum(s.length for s in sizes),
+        )
 
 
 def unknown(name: str, tolerance: float) -> NumericsError:

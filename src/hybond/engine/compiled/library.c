@@ -385,10 +385,12 @@ SHOWN int hybond_look_at(HybondRun *look, int what, const HybondPoints *points, 
     return look_at(look, what, points, many, slot, end, out, more);
 }
 
-/* Values at points of one motion after another, where nothing is slid on. */
-SHOWN int hybond_look_along(HybondRun *look, const HybondPoints *points, int many,
-                            const int *slot, int motions, const int *first, const double *begin,
-                            const int *state, const int *landed, double energy, double *out)
+/* Look at points of one motion after another, where nothing is slid on; a row of `out` for each
+ * point has `wide` numbers. */
+SHOWN int hybond_look_along(HybondRun *look, int what, const HybondPoints *points, int many,
+                            const int *slot, const double *end, int motions, const int *first,
+                            const double *begin, const int *state, const int *landed,
+                            double energy, int wide, double *out)
 {
     const int machines = look->model->machines;
     if (setjmp(look->arena.spent) != 0) {
@@ -402,8 +404,9 @@ SHOWN int hybond_look_along(HybondRun *look, const HybondPoints *points, int man
         int status = look_into(look->e, look->l, begin[k], state + k * machines,
                                landed + k * machines, 0, NULL, 0, 0, NULL, energy);
         if (status == OK) {
-            double *here = out + (size_t)first[k] * (size_t)many;
-            status = look_at(look, LOOK_VALUES, &own, many, slot, NULL, here, NULL);
+            double *here = out + (size_t)first[k] * (size_t)wide;
+            const double *to = end == NULL ? NULL : end + first[k];
+            status = look_at(look, what, &own, many, slot, to, here, NULL);
         }
         if (status != OK) {
             return status;

@@ -92,8 +92,16 @@ class Look(ABC):
         """
 
     @abstractmethod
-    def _along(self, motions: Motions, points: Within, slots: Numbers, out: Vector) -> None:
-        """Put there the values at points of many motions."""
+    def _along(
+        self,
+        what: str,
+        motions: Motions,
+        points: Within,
+        out: Vector,
+        slots: Numbers | None,
+        end: Vector | None,
+    ) -> None:
+        """Put there what is asked for at points of many motions, as `_ask` does at those of one."""
 
     @abstractmethod
     def _sources(self) -> tuple[Numbers, Numbers] | None:
@@ -251,25 +259,34 @@ class Look(ABC):
         ValueError, NumericsError, MemoryError
             As `into` and `values`.
         """
-        m, many = motions, len(points.t)
         chosen = self._slots(slots)
-        if points.states != self._states or m.state.shape != m.landed.shape:
-            raise ValueError("points or motions of another model")
-        if m.state.shape != (len(m.t), int(self._numbers["machines"])):
-            raise ValueError("motions of another model")
-        if not ((m.state >= 0) & (m.state < self._states_of)).all():
-            raise ValueError("a machine does not have that state")
-        if (self._contact_at[(self._state_first + m.state)[m.landed != 0]] < 0).any():
-            raise ValueError("a machine has landed in a state that closes no contact")
-        if not ((m.t >= 0.0) & (m.t <= self._numbers["until"])).all() or not m.energy < np.inf:
-            raise ValueError("a motion outside the run")
-        ends = np.array([0, many])
-        if (m.first[[0, -1]] != ends).any() or (np.diff(m.first) < 0).any():
-            raise ValueError("points that belong to no motion")
-        out = np.zeros((many, len(chosen)))
-        with self._lock:
-            self._parts = 0
-            self._along(motions, points, chosen, out)
+        out = np.zeros((len(points.t), len(chosen)))
+        self._look_along("values", motions, points, out, slots=chosen)
+        return out
+
+    def energies_along(self, motions: Motions, points: Within, end: Vector) -> Vector:
+        """Return energies from points of many motions on, as `energies`, shape (points, 3).
+
+        Afterwards nothing is looked into.
+
+        Parameters
+        ----------
+        points : Within
+            Those of the first motion first.
+        end : array, shape (points,)
+            s; in the same step as the point.
+
+        Raises
+        ------
+        ValueError, NumericsError, MemoryError
+            As `into` and `energies`.
+        """
+        last = floats(end, 1, "end")
+        Within(points.steps, last, points.step)
+        if last.shape != points.t.shape or (last < points.t).any():
+            raise ValueError("each interval has an end behind its begin")
+        out = np.zeros((len(last), 3))
+        self._look_along("energies", motions, points, out, end=last)
         return out
 
     def parts(self, points: Points | Within, slots: ArrayLike) -> tuple[Vector, Vector]:
@@ -423,6 +440,35 @@ class Look(ABC):
                 self._ask(
                     what, points, first, last, some, slots, None if end is None else end[first:last]
                 )
+
+    def _look_along(
+        self,
+        what: str,
+        motions: Motions,
+        points: Within,
+        out: Vector,
+        *,
+        slots: Numbers | None = None,
+        end: Vector | None = None,
+    ) -> None:
+        """Look at points of many motions."""
+        m = motions
+        if points.states != self._states or m.state.shape != m.landed.shape:
+            raise ValueError("points or motions of another model")
+        if m.state.shape != (len(m.t), int(self._numbers["machines"])):
+            raise ValueError("motions of another model")
+        if not ((m.state >= 0) & (m.state < self._states_of)).all():
+            raise ValueError("a machine does not have that state")
+        if (self._contact_at[(self._state_first + m.state)[m.landed != 0]] < 0).any():
+            raise ValueError("a machine has landed in a state that closes no contact")
+        if not ((m.t >= 0.0) & (m.t <= self._numbers["until"])).all() or not m.energy < np.inf:
+            raise ValueError("a motion outside the run")
+        ends = np.array([0, len(points.t)])
+        if (m.first[[0, -1]] != ends).any() or (np.diff(m.first) < 0).any():
+            raise ValueError("points that belong to no motion")
+        with self._lock:
+            self._parts = 0
+            self._along(what, motions, points, out, slots, end)
 
     def _ready(self) -> None:
         if not self._parts:

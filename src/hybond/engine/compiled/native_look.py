@@ -38,8 +38,8 @@ def _looking() -> ctypes.CDLL:
         "modes": [handle, handle],
         "at": [handle, number, points, number, handle, handle, handle, handle],
         "along": [
-            *(handle, points, number, handle, number, handle, handle, handle, handle),
-            *(ctypes.c_double, handle),
+            *(handle, number, points, number, handle, handle, number, handle, handle, handle),
+            *(handle, ctypes.c_double, number, handle),
         ],
         "stored": [handle, number, handle, handle],
         "sources": [handle, handle, handle],
@@ -127,13 +127,23 @@ class NativeLook(Look):
             )
         )
 
-    def _along(self, motions: Motions, points: Within, slots: Numbers, out: Vector) -> None:
+    def _along(
+        self,
+        what: str,
+        motions: Motions,
+        points: Within,
+        out: Vector,
+        slots: Numbers | None,
+        end: Vector | None,
+    ) -> None:
         m = motions
         self._check(
             self._library.hybond_look_along(
-                *(self._handle, ctypes.byref(points.record(0, len(points.t)))),
-                *(len(slots), address(slots), len(m.t), address(m.first), address(m.t)),
-                *(address(m.state), address(m.landed), m.energy, address(out)),
+                *(self._handle, ASKED.index(what), ctypes.byref(points.record(0, len(points.t)))),
+                *((0, None) if slots is None else (len(slots), address(slots))),
+                *(None if end is None else address(end), len(m.t), address(m.first)),
+                *(address(m.t), address(m.state), address(m.landed), m.energy),
+                *(out.shape[1], address(out)),
             )
         )
 

@@ -97,14 +97,23 @@ class PythonLook(Look):
         for out, row in zip(outs, found, strict=True):
             out[...] = np.array(row).reshape(out.shape)
 
-    def _along(self, motions: Motions, points: Within, slots: Numbers, out: Vector) -> None:
+    def _along(
+        self,
+        what: str,
+        motions: Motions,
+        points: Within,
+        out: Vector,
+        slots: Numbers | None,
+        end: Vector | None,
+    ) -> None:
         m, nothing = motions, np.zeros(0, dtype=np.intc)
         for k, (a, b) in enumerate(pairwise(m.first.tolist())):
             rows = np.zeros((0, m.state.shape[1]), dtype=np.intc)
             motion = Motion(float(m.t[k]), m.state[k], m.landed[k], nothing, False, rows, m.energy)
             self._enter(motion)
             if b > a:
-                self._ask("values", points, a, b, (out[a:b],), slots, None)
+                to = None if end is None else end[a:b]
+                self._ask(what, points, a, b, (out[a:b],), slots, to)
 
     def _stored(self, y: Vector) -> Vector:
         out = [0.0] * len(y)

@@ -7,12 +7,15 @@ energy is constant in every segment; no jump creates energy except by a source.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybond.engine.outcome.balances import Balance, Looked, balances_of, sizes_of
+from hybond.engine.method_numbers import MOREAU
+from hybond.engine.outcome.balances import Balances, Looked, balances_of
 from hybond.engine.outcome.signals import Signals
+from hybond.engine.outcome.stretches import Places, Stretch, sizes_of, stretches
 from hybond.model.graph import FlatGraph
 from hybond.records import dataclass
 from hybond.runs.trace import Segment, Trace, Violation
@@ -143,42 +146,31 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     Powers beyond the largest number are infinite, and what is to balance them is none: it does not
     hold, and need not be said twice.
     """
-    powers = _Powers(graph, trace)
+    stepped = _stepped(signals, trace)
+    powers = _Powers(graph, [w for _, w in stepped])
     energy = created = beyond = 0.0
     rtol = signals.tables.numbers["rtol"]
     if not len(powers.bond):
         # nothing carries power: machines and signals alone
         return Audit(0.0, energy, created, laws=tuple(trace.unsound), beyond=beyond, rtol=rtol)
     largest = through = 0.0
-    balances: list[Balance] = []
+    balances: list[Balances] = []
     looked = Looked(graph, signals, sizes_of(trace))
-    # where a source has jumped, values at the end of a segment are of both sides of the jump
-    jumps = {event.t for event in trace.events if event.cause == "law"}
-    jumped = [k for k, s in enumerate(trace.segments) if jumps and s.t[-1] in jumps]
-    left = dict(zip(jumped, signals.left_ends(jumped).tolist(), strict=True))
-    for place, segment in enumerate(trace.segments):
-        if segment.bonds is not None:
-            powers.add_steps(segment.bonds.T)
-            made, size_of = _created_by_steps(signals, segment)
-            created += made
-            largest = max(largest, size_of)
-            continue
-        end = left.get(place)
-        w = signals.bonds(segment) if end is None else signals.bonds(segment, end)
-        flows, size = powers.add(w)
+    for segment, w in stepped:
+        powers.add_steps(w)
+        made, size_of = _created_by_steps(signals, segment)
+        created += made
+        largest = max(largest, size_of)
+    for found in stretches(signals, trace):
+        flows, size = powers.add(found)
         # of a motion along a surface, the mode through which most passes
-        flux = size.reshape(len(segment.t), -1).max(axis=1)
-        passing = 0.5 * (flux[1:] + flux[:-1]) * np.diff(segment.t)
-        through = max(through, float(passing.sum()))
-        if flows.shape[1] == len(segment.t) > 1:
-            largest = max(largest, _most_taken(flows, segment.t))
-        stored = signals.stored(segment.y)
-        supplied, dissipated = signals.energies(segment).T
-        passed = np.abs(np.diff(supplied)).sum() + np.abs(np.diff(dissipated)).sum()
-        largest = max(largest, float(np.abs(stored).max(initial=0.0)), float(passed))
-        if len(segment.t) > 1:
-            off = np.diff(stored + dissipated - supplied)
-            balances.append(Balance(segment, off, looked.allowed(segment, w)))
+        flux = size.reshape(len(found.t), -1).max(axis=1)
+        through = max(through, float(found.sums(found.integrals(flux)).max()))
+        if found.parts == 1:
+            largest = max(largest, _most_taken(flows, found))
+        largest = max(largest, float(np.abs(found.stored).max()), float(found.passed.max()))
+        off = found.changes(found.balance)
+        balances.append(Balances(found, off, looked.allowed(found)))
     for event in trace.events:
         for step in event.steps:
             if event.cause == "step":
@@ -190,15 +182,15 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
     power = powers.unbalanced(largest / span if span > 0.0 else 0.0)
     largest = max(largest, _IDLE * through)
     scale = largest if largest > 0.0 else 1.0
-    energy, beyond = balances_of(looked, balances, rtol * scale)
-    stepped = trace.stats.get("energy_unbalanced", 0.0)
+    energy, beyond = balances_of(looked, trace, balances, rtol * scale)
+    fixed = trace.stats.get("energy_unbalanced", 0.0)
     return Audit(
         power,
-        max(energy, stepped) / scale,
+        max(energy, fixed) / scale,
         created / scale,
         trace.stats.get("step_error", 0.0),
         tuple(trace.unsound),
-        max(beyond, stepped) / scale,
+        max(beyond, fixed) / scale,
         rtol,
     )
 
@@ -206,7 +198,7 @@ def audit(graph: FlatGraph, trace: Trace, signals: Signals) -> Audit:
 class _Powers:
     """The powers of all elements at all points of a run, and what rounding leaves of their sum."""
 
-    def __init__(self, graph: FlatGraph, trace: Trace) -> None:
+    def __init__(self, graph: FlatGraph, stepped: Sequence[Matrix]) -> None:
         ends = [
             end
             for node in graph.nodes
@@ -217,16 +209,15 @@ class _Powers:
         self.bond = np.array([end.bond for end in ends], dtype=np.intp)
         self._sign = np.array([float(end.sign) for end in ends])
         self._many = many = len(graph.bonds)
-        domains = [b.domain.name for b in graph.bonds]
-        self._same = np.array(
-            [[domains[k] == d for d in domains] for k in self.bond], dtype=bool
-        ).reshape(len(ends), many)
+        names = [b.domain.name for b in graph.bonds]
+        self._domains = [np.array([n == d for n in names]) for d in dict.fromkeys(names)]
+        which = {d: k for k, d in enumerate(dict.fromkeys(names))}
+        self._domain = np.array([which[names[k]] for k in self.bond.tolist()], dtype=np.intp)
         # of steps in which laws hold at the end: the largest efforts and flows of the run
         self._strongest = np.zeros(2 * many)
-        for segment in trace.segments:
-            if segment.bonds is not None:
-                most = np.abs(segment.bonds).max(axis=0, initial=0.0)
-                self._strongest = np.maximum(self._strongest, most[: 2 * many])
+        for w in stepped:
+            most = np.abs(w).max(axis=1, initial=0.0)
+            self._strongest = np.maximum(self._strongest, most[: 2 * many])
         self._totals: list[Vector] = []
         self._sizes: list[Vector] = []
 
@@ -234,15 +225,20 @@ class _Powers:
         """Count bond variables at the ends of steps in which laws hold there."""
         e, f = self._parts(w)
         self._totals.append(np.abs(self._flows(w).sum(axis=0)))
-        self._sizes.append((e * f + self._rounding(e, f, self._strongest)).sum(axis=0))
+        rounding = self._rounding(e, f, self._strongest[:, None])
+        self._sizes.append((e * f + rounding).sum(axis=0))
 
-    def add(self, w: Matrix) -> tuple[Matrix, Vector]:
+    def add(self, found: Stretch) -> tuple[Matrix, Vector]:
         """Count those of a motion; return the powers, and the sum of their sizes."""
+        w, parts = found.bonds, found.parts
         flows = self._flows(w)
         size = np.abs(flows).sum(axis=0)
-        most = np.abs(w).max(axis=1, initial=0.0)
+        # of each segment the largest efforts and flows, at each of its points
+        most = np.maximum.reduceat(np.abs(w), found.begins * parts, axis=1)
+        points = np.diff(found.begins, append=len(found.t)) * parts
+        rounding = self._rounding(*self._parts(w), most, points)
         self._totals.append(np.abs(flows.sum(axis=0)))
-        self._sizes.append(size + self._rounding(*self._parts(w), most).sum(axis=0))
+        self._sizes.append(size + rounding.sum(axis=0))
         return flows, size
 
     def unbalanced(self, least: float) -> float:
@@ -266,23 +262,38 @@ class _Powers:
     def _parts(self, w: Matrix) -> tuple[Matrix, Matrix]:
         return np.abs(w[self.bond]), np.abs(w[self.bond + self._many])
 
-    def _rounding(self, e: Matrix, f: Matrix, most: Vector) -> Matrix:
-        # what rests under a load moves by the rounding of the fastest motion in its domain, and
-        # what flows without a load feels the rounding of the largest one, between two-ports too
+    def _rounding(self, e: Matrix, f: Matrix, most: Matrix, points: Places | int = 1) -> Matrix:
+        """Return what rounding of the largest efforts and flows makes of others.
+
+        What rests under a load moves by the rounding of the fastest motion in its domain, and what
+        flows without a load feels the rounding of the largest one, between two-ports too.
+        """
+        many = self._many
         loads, speeds = (
-            np.where(self._same, a, 0.0).max(axis=1, initial=0.0)[:, None]
-            for a in (most[: self._many], most[self._many : 2 * self._many])
+            np.repeat(
+                np.array([a[own].max(axis=0) for own in self._domains])[self._domain],
+                points,
+                axis=1,
+            )
+            for a in (most[:many], most[many : 2 * many])
         )
         return np.asarray(0.1 * (e * speeds + loads * f))
 
 
-def _most_taken(flows: Matrix, t: Vector) -> float:
+def _stepped(signals: Signals, trace: Trace) -> list[tuple[Segment, Matrix]]:
+    """Return the segments of time-stepping, each with the bond variables where its steps end."""
+    if signals.tables.numbers["method"] != MOREAU:
+        return []
+    return [(s, s.bonds.T) for s in trace.segments if s.bonds is not None]
+
+
+def _most_taken(flows: Matrix, found: Stretch) -> float:
     """Return the most that went into or out of one element on balance, between two points, J.
 
     Where stores exchange energy that adds up to nothing, this is what is there to be exchanged.
     """
-    taken = np.cumsum(0.5 * (flows[:, 1:] + flows[:, :-1]) * np.diff(t), axis=1)
-    return float((taken.max(axis=1, initial=0.0) - taken.min(axis=1, initial=0.0)).max())
+    taken = found.along(found.integrals(flows))
+    return float((found.most(taken) + found.most(-taken)).max())
 
 
 def _created_by_steps(signals: Signals, segment: Segment) -> tuple[float, float]:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.engine.outcome.signals import Signals
+from hybond.engine.outcome.stretches import Stretch
 from hybond.errors import HybondError
 from hybond.model.expressions import Name
 from hybond.model.graph import FlatGraph
@@ -46,7 +47,7 @@ what is propagated, or read from a polynomial."""
 
 @dataclass(frozen=True, slots=True)
 class Balance:
-    """What a segment is off by.
+    """What the steps of a segment are off by.
 
     Parameters
     ----------
@@ -71,14 +72,34 @@ class Balance:
         return float(np.ptp(np.append(0.0, np.cumsum(self.off))))
 
 
+@dataclass(frozen=True, slots=True)
+class Balances:
+    """The same of all segments in a stretch: of the step that ends at each of its points."""
+
+    stretch: Stretch
+    off: Vector
+    allowed: Vector
+
+    @property
+    def beyond(self) -> Vector:
+        """What the steps of each segment are off by more than they may, in all, J."""
+        return self.stretch.sums(np.maximum(np.abs(self.off) - self.allowed, 0.0))
+
+    @property
+    def most(self) -> Vector:
+        """The largest difference of the balance at two points of each segment, J."""
+        sums = self.stretch.along(self.off)
+        return self.stretch.most(sums) + self.stretch.most(-sums)
+
+    def of(self, k: int, segments: Sequence[Segment]) -> Balance:
+        """Return that of segment k of the stretch."""
+        begins = [*self.stretch.begins.tolist(), len(self.off)]
+        own = slice(begins[k] + 1, begins[k + 1])
+        return Balance(segments[self.stretch.first + k], self.off[own], self.allowed[own])
+
+
 class _TooLong(Exception):
     """A step takes more evaluations than are left."""
-
-
-def sizes_of(trace: Trace) -> Vector:
-    """Return the largest size that each state has in a run."""
-    found = [np.abs(s.y).max(axis=0) for s in trace.segments if s.bonds is None and len(s.t)]
-    return np.asarray(np.max(found, axis=0)) if found else np.zeros(0)
 
 
 class Looked:
@@ -87,7 +108,7 @@ class Looked:
     Parameters
     ----------
     size : array, shape (states,)
-        The largest that each state has been.
+        The largest that each state has been, as `sizes_of` finds it.
     """
 
     def __init__(self, graph: FlatGraph, signals: Signals, size: Vector) -> None:
@@ -105,15 +126,15 @@ class Looked:
         self.spent = 0
         """Evaluations in the last step that was integrated once more."""
 
-    def allowed(self, segment: Segment, bonds: Matrix) -> Vector:
-        """Return what each step of a segment may be off by, J, from `Signals.bonds` of it."""
-        stores = len(self._z)
+    def allowed(self, found: Stretch) -> Vector:
+        """Return what the step that ends at each point may be off by, J."""
+        stores, many = len(self._z), len(found.t)
         if not stores:
-            return np.zeros(len(segment.t) - 1)
-        z = np.abs(bonds[self._z]).reshape(stores, len(segment.t), -1).max(axis=2)
+            return np.zeros(many)
+        z = np.abs(found.bonds[self._z]).reshape(stores, many, -1).max(axis=2)
         z = z * (self.tolerance[:stores] * self._powered)[:, None]
-        squares = np.maximum(z[:, 1:], z[:, :-1]) ** 2
-        return np.asarray(np.sqrt(len(self.tolerance) * squares.sum(axis=0)))
+        squares = np.maximum(z, np.concatenate([z[:, :1], z[:, :-1]], axis=1)) ** 2
+        return found.steps(np.sqrt(len(self.tolerance) * squares.sum(axis=0)))
 
     def rounded(self, segment: Segment, steps: Vector) -> Vector:
         """Return what rounding of states lets the balance of some steps be off by, J.
@@ -186,7 +207,9 @@ class Looked:
         return off
 
 
-def balances_of(looked: Looked, found: Sequence[Balance], enough: float) -> tuple[float, float]:
+def balances_of(
+    looked: Looked, trace: Trace, found: Sequence[Balances], enough: float
+) -> tuple[float, float]:
     """Return the largest difference of a balance, and the most that steps are off by beyond theirs.
 
     Parameters
@@ -195,10 +218,14 @@ def balances_of(looked: Looked, found: Sequence[Balance], enough: float) -> tupl
         J. Segments that are off by less, beyond what they may be, are taken as they are.
     """
     energy = beyond = 0.0
-    for made in found:
-        if made.most <= enough or made.beyond.sum() <= enough:
-            energy, beyond = max(energy, made.most), max(beyond, float(made.beyond.sum()))
-            continue
+    doubtful: list[Balance] = []
+    for some in found:
+        most, wrong = some.most, some.beyond
+        taken = (most <= enough) | (wrong <= enough)
+        energy = max(energy, float(most[taken].max(initial=0.0)))
+        beyond = max(beyond, float(wrong[taken].max(initial=0.0)))
+        doubtful += [some.of(k, trace.segments) for k in np.flatnonzero(~taken).tolist()]
+    for made in doubtful:
         allowed = made.allowed + looked.rounded(made.segment, made.beyond)
         balance = Balance(made.segment, made.off, allowed)
         off, sure = balance.off.copy(), 0.0

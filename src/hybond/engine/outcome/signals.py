@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybond.chronicle import Chronicle
-from hybond.engine.algebra.rounding import AT_KINK
 from hybond.engine.compiled.look import Look, Motions
 from hybond.engine.compiled.points import Points, Within
 from hybond.engine.compiled.rows import MACHINES_OF_STEP
 from hybond.engine.outcome.along import Along, begins_of
 from hybond.engine.outcome.combinations import ALONE, Combination
 from hybond.engine.outcome.engines import Prepared
+from hybond.engine.outcome.left_limits import left_limits
 from hybond.engine.outcome.logged_steps import Block, roots_within, steps_around
 from hybond.engine.tables import ModelTables
 from hybond.model.expressions import ARRAYS, Expr, Name, Number, compile_expression, names, uses_pre
@@ -27,11 +27,6 @@ from hybond.model.graph import FlatGraph, Mode
 from hybond.runs.trace import Segment, Trace
 
 Vector = NDArray[np.float64]
-
-MOMENTS = 64
-"""Units in the last place that a limit from the left is before a kink, at first."""
-ROUNDS = 7
-"""How often that is made four times as long where the kink is not passed."""
 
 
 class Signals:
@@ -103,51 +98,8 @@ class Signals:
         expressions : sequence of Expr
             In canonical names.
         """
-        return self._of_points(segments, which, self._left(segments, which, t), expressions)
-
-    def _left(self, segments: Chronicle[Segment], which: NDArray[np.intp], t: Vector) -> Vector:
-        """Return the times, a moment earlier where a segment ends at a kink: its left limit.
-
-        A source that jumps there has the value behind the kink at the very time.
-        """
-        tables = self._model.tables
-        many = int(tables.numbers["kinks"]) + int(tables.numbers["slide_kinks"])
-        starts = segments.times
-        if not many or not len(t) or not len(starts):
-            return t
-        last = self._trace.events.times[-1:]
-        end = last[0] if len(last) and last[0] > starts[-1] else np.inf
-        ends = np.flatnonzero(np.append(starts, end)[which + 1] == t)
-        if not len(ends):
-            return t
-        first = int(tables.numbers["kink_atom"])
-        atoms = [
-            tables.values.all[k]
-            for name in ("atom_value", "atom_size")
-            for k in tables.ints[name][first : first + many]
-        ]
-        read = np.array(self._of_points(segments, which[ends], t[ends], atoms))
-        near = np.abs(read[:many]) <= AT_KINK * np.abs(read[many:])
-        behind = np.sign(read[:many])
-        earlier = np.array(t, dtype=float)
-        moment = MOMENTS * np.spacing(np.maximum(np.abs(t[ends]), segments[-1].t[-1]))
-        # a signal alone is no sum of terms that it is small beside: it is what it is just before,
-        # and may begin at the kink itself
-        near_t = np.maximum(t[ends] - moment, np.asarray(starts)[which[ends]])
-        just = np.array(self._of_points(segments, which[ends], near_t, atoms[:many]))
-        near |= (behind != 0.0) & (just * behind <= 0.0)
-        todo = np.asarray(near.any(axis=0))
-        for _ in range(ROUNDS):
-            here = ends[todo]
-            if not len(here):
-                break
-            before = np.maximum(t[here] - moment[todo], np.asarray(starts)[which[here]])
-            earlier[here] = before
-            there = np.array(self._of_points(segments, which[here], before, atoms[:many]))
-            passed = (np.sign(there) != behind[:, todo]) & (there != 0.0)
-            todo[todo] = (near[:, todo] & ~passed).any(axis=0)
-            moment *= 4.0
-        return earlier
+        before = left_limits(self._model.tables, self._trace, segments, which, t, self._of_points)
+        return self._of_points(segments, which, before, expressions)
 
     def _of_points(
         self,
@@ -182,22 +134,35 @@ class Signals:
         self, along: Along, t: Vector, expressions: Sequence[Expr], found: Vector
     ) -> None:
         """Read points of segments in which nothing is slid on; put what they say there."""
-        machines = len(self.graph.machines)
-        place = along.place
-        motions = Motions(
-            along.begin,
-            np.ascontiguousarray(place[:, MACHINES_OF_STEP : MACHINES_OF_STEP + machines]),
-            np.ascontiguousarray(place[:, MACHINES_OF_STEP + machines :]),
-            np.append(0, np.cumsum(along.many)).astype(np.intc),
-            self._energy,
-        )
+        motions = self.motions(along.begin, along.place, along.many)
         within = Within(along.to_look(), t[along.points], along.step)
         slots = self._read(expressions)
-        with self._lock:
-            self._into = None
-            columns = self._columns(slots, self._look.values_along(motions, within, slots))
+        columns = self._columns(slots, self.values_along(motions, within, slots))
         for k, e in enumerate(expressions):
             found[k, along.points] = self._value(e, columns, along.points.shape)
+
+    def motions(self, begin: Vector, place: NDArray[np.intc], many: NDArray[np.intp]) -> Motions:
+        """Return segments: begins, their rows of places in the log, how many points of each."""
+        machines = len(self.graph.machines)
+        return Motions(
+            begin,
+            np.ascontiguousarray(place[:, MACHINES_OF_STEP : MACHINES_OF_STEP + machines]),
+            np.ascontiguousarray(place[:, MACHINES_OF_STEP + machines :]),
+            np.append(0, np.cumsum(many)).astype(np.intc),
+            self._energy,
+        )
+
+    def values_along(self, motions: Motions, points: Within, slots: NDArray[Any]) -> Vector:
+        """Return values at points of many segments, shape (points, slots)."""
+        with self._lock:
+            self._into = None
+            return self._look.values_along(motions, points, slots)
+
+    def energies_along(self, motions: Motions, points: Within, end: Vector) -> Vector:
+        """Return energies from points of many segments on, shape (points, 3)."""
+        with self._lock:
+            self._into = None
+            return self._look.energies_along(motions, points, end)
 
     def rest(self, segment: Segment, t: float) -> tuple[Vector, Mode]:
         """Return state and mode at a time behind the last step of a segment.
@@ -350,7 +315,14 @@ class Signals:
     def left_ends(self, places: Sequence[int]) -> Vector:
         """Return when segments end, a moment earlier where that is at a kink: the left limits."""
         segments, which = self._trace.segments, np.array(places, dtype=np.intp)
-        return self._left(segments, which, np.array([segments[k].t[-1] for k in places]))
+        ends = np.array([segments[k].t[-1] for k in places])
+        given = self._model.tables, self._trace, segments, which, ends, self._of_points
+        return left_limits(*given)
+
+    @property
+    def bond_slots(self) -> NDArray[np.intp]:
+        """The slots of bond variables: all efforts, then all flows."""
+        return np.arange(self._slots.w.start, self._slots.w.stop)
 
     def bonds(self, segment: Segment, end: float | None = None) -> Vector:
         """Return bond variables at the accepted points, shape (2 bonds, points times modes).
@@ -358,12 +330,10 @@ class Signals:
         While machines slide each mode that is combined has its own. The last point may be another:
         that of a left limit.
         """
-        if segment.bonds is not None:
-            return segment.bonds.T
-        first, last = self._slots.w.start, self._slots.w.stop
+        slots = self.bond_slots
         t = segment.t if end is None else np.append(segment.t[:-1], end)
-        _, values = self._parts(segment, t, np.arange(first, last))
-        return np.ascontiguousarray(values.reshape(-1, last - first).T)
+        _, values = self._parts(segment, t, slots)
+        return np.ascontiguousarray(values.reshape(-1, len(slots)).T)
 
     def parts(self, segment: Segment, names_: Sequence[str], t: Vector) -> tuple[Vector, Vector]:
         """Return the share of each mode that a segment combines, and values in it by name.
