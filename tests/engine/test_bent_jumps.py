@@ -201,3 +201,33 @@ def test_a_jump_of_two_areas_leads_over_a_hump(
     assert run["i.p"].at(0.0) == pytest.approx(p, rel=1e-9)
     bent = 0.207 * math.asinh(p / 37.9 / 1.06)
     assert run["bent.p"].at(0.0) == pytest.approx(bent, rel=1e-9)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau", "rk45"])
+@pytest.mark.parametrize(
+    ("law", "start", "fold"),
+    [
+        ("{q}^3 + 0.1*time", 0.0, (1.0 / math.sqrt(3.0) - 3.0**-1.5) / 0.1),
+        ("exp({q} - 1) + 0.1*time - 0.5", None, 5.0),
+        ("sqrt(1 + {q}) - 1 - 0.3*time", 0.0, 0.25 / 0.3),
+    ],
+)
+@pytest.mark.parametrize("kind", ["C", "I"])
+def test_where_a_source_rises_as_fast_as_the_storage_it_binds_the_run_ends(
+    kind: str, law: str, start: float | None, fold: float, solver: str
+) -> None:
+    """Two solutions of ``q = law(q, t)`` meet there, and behind it there is none."""
+    if start is None:
+        start = brentq(lambda q: math.exp(q - 1.0) - 0.5 - q, -1.0, 0.5, xtol=1e-15)
+    m = hb.Model("fold")
+    if kind == "C":
+        m.add(c=hb.C(1.0, q=start), s=hb.Se(law.format(q="c.q")))
+        m.bond("s -> c")
+    else:
+        m.add(c=hb.I(1.0, p=start), s=hb.Sf(law.format(q="c.p")), j=hb.One())
+        m.bond("s -> j -> c")
+    run = hb.simulate(m, 10.0, solver=solver, on_error="return")
+    assert run.error is not None
+    assert run.error.code == ("HB-N201" if solver == "radau" else "HB-N304")
+    assert run.t_end == pytest.approx(fold, rel=1e-6)
+    assert "no solution goes on" in run.error.hint

@@ -201,9 +201,13 @@ def error_of(
     hint = said.hint or HINTS.get(code, "")
     if code in SMALL_STEPS:
         hint += _for_stiff(fault.method, len(graph.storages) + len(graph.integrals))
-        from hybond.engine.outcome.remedies import beside_flat_laws
+        from hybond.engine.outcome.remedies import beside_flat_laws, beside_folds
 
-        hint += beside_flat_laws(graph)
+        hint += beside_flat_laws(graph) + beside_folds(graph)
+    elif code == "HB-N304":
+        from hybond.engine.outcome.remedies import beside_folds
+
+        hint += beside_folds(graph)
     elif code in ("HB-N404", "HB-N406") and fault.method not in (AUTO, RADAU, MOREAU):
         # at the edge of stability an explicit step leads to and fro across a guard
         hint += "; solver = 'auto' if the model is stiff"

@@ -15,6 +15,7 @@ from hybond.model.expressions import (
     simplify,
     uses_pre,
 )
+from hybond.model.expressions.differentiate import differentiate
 from hybond.model.expressions.tree import names, walk
 from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.joined import Joined
@@ -157,6 +158,37 @@ def beside_flat_laws(graph: FlatGraph) -> str:
         f"and as steep as a jump where it is read backwards: add what it has beside it in reality, "
         f"{', '.join(beside)}"
     )
+
+
+def beside_folds(graph: FlatGraph) -> str:
+    """Return where the state that a source binds may have nowhere to go on; "" without such ones.
+
+    A source right onto a storage binds what it stores. If it reads that itself, by a law that
+    bends, it may come to give as much more of it as the storage does: solutions end there.
+    """
+    found = [
+        n.path
+        for n in graph.nodes
+        if n.kind in ("Se", "Sf") and n.law is not None and any(map(_bends, n.law.expressions))
+    ]
+    if not found:
+        return ""
+    paths = " or ".join(found[:MANY])
+    return (
+        f"; where what {paths} gives rises as fast as that of the storage it is bound to, no "
+        "solution goes on: put a resistance between them"
+    )
+
+
+def _bends(law: Expr) -> bool:
+    """Whether a law is no straight line of the stored quantities and bond variables that it reads.
+
+    What jumps is none of these: it has remedies of its own.
+    """
+    read = [name for name in names(law) if name.startswith(("e:", "f:", "x:"))]
+    if uses_pre(law) or not read:
+        return False
+    return any(names(simplify(differentiate(law, a))) & set(read) for a in read)
 
 
 def is_flat(node: Node) -> bool:
