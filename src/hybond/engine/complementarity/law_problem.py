@@ -246,7 +246,8 @@ def read_mixed(p: LawProblem, pairs: int) -> None:
 def give_friction(p: LawProblem, k: int, row: int, pair: int, pairs: int) -> None:
     """Give the three rows of a friction law; its pairs are `pair` and the next one.
 
-    Speeds are written as the forces that would make them: tolerances then agree.
+    Both variables of a pair are written in the unit of `l`, by what the port feels of itself: so
+    are those of one-sided laws, and tolerances then agree.
     """
     n = p.n
     x = p.mixed
@@ -254,9 +255,9 @@ def give_friction(p: LawProblem, k: int, row: int, pair: int, pairs: int) -> Non
     at = row * wide + 2 * pairs
     own = p.m[k * n + k]
     is_common = p.common[k] != 0
-    per = 1.0
-    if own > 0.0:
-        per = own if is_common else 1.0 / own
+    per = 1.0 / own if own > 0.0 else 1.0
+    of_speed = 1.0 if is_common else per
+    of_force = per if is_common else 1.0
     held = -p.q[k] if is_common else 0.0
     x.whole[row * wide + pair] = 1.0
     x.whole[row * wide + pair + 1] = -1.0
@@ -267,9 +268,9 @@ def give_friction(p: LawProblem, k: int, row: int, pair: int, pairs: int) -> Non
         speed = unit if is_common else p.m[k * n + j]
         force = -p.m[k * n + j] if is_common else -unit
         slope = p.slope[k * n + j]
-        x.whole[at + j] = -speed * per
-        x.whole[at + wide + j] = force - slope
-        x.whole[at + 2 * wide + j] = -force - slope
+        x.whole[at + j] = -speed * of_speed
+        x.whole[at + wide + j] = (force - slope) * of_force
+        x.whole[at + 2 * wide + j] = (-force - slope) * of_force
     x.right[row] = 0.0 if is_common else p.q[k] * per
-    x.right[row + 1] = p.limit[k] - held
-    x.right[row + 2] = p.limit[k] + held
+    x.right[row + 1] = (p.limit[k] - held) * of_force
+    x.right[row + 2] = (p.limit[k] + held) * of_force
