@@ -71,3 +71,25 @@ def test_it_lands_and_leaves(
     assert run["v.f"].at(21.0) == pytest.approx(2.0, rel=1e-9)
     assert run["x"].at(21.0) == pytest.approx(at + 1.0, abs=1e-9 + 1e-11 * abs(at))
     assert len(run.events) < 400
+
+
+@pytest.mark.parametrize("sensor", list(SENSORS))
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("at", [0.0, 5.3, -31.7, 1e4])
+def test_so_it_does_beside_a_relay_that_slides(at: float, restitution: float, sensor: str) -> None:
+    """The sensor was taken to slide with it, and the contact to follow the relay (HB-N415)."""
+    m = ball(at, restitution, sensor, turned=False, first=False)
+    m.add(n=hb.Zero(), c=hb.C(1.0, q=0.2), f=hb.Sf("if K.state == 'on' then -1 else 1.5"))
+    m.bond("f -> n", "n -> c")
+    rules = ["off -> on when c.q > 0", "on -> off when c.q < 0"]
+    m.machine("K", states={"off": [], "on": []}, start="on", rules=rules)
+    struck = math.sqrt(2.0 * DROP / PUSH)
+    end = struck * (1.0 + 2.0 * restitution / (1.0 - restitution))
+    run = hb.simulate(m, 21.0)
+    assert run.status == "ok"
+    hidden = 4.0 * math.sqrt(4e-13 * 2.0 * abs(at) / PUSH) / (1.0 - restitution)
+    assert run["v.f"].at(1.05 * end + 2.0 * hidden) == pytest.approx(0.0, abs=1e-12)
+    assert run["x"].at(15.0) == pytest.approx(at, abs=1e-9 + 1e-12 * abs(at))
+    assert run["v.f"].at(21.0) == pytest.approx(2.0, rel=1e-9)
+    assert run["c.q"].at(20.0) == pytest.approx(0.0, abs=1e-9)
+    assert run.audit().holds()

@@ -145,7 +145,8 @@ def hidden_flight(e: Engine, g: Landings, machine: int) -> float:
                     return 0.0
                 near = ROUNDING * math.fabs(value(m, m.atom_size[a], g.v))
                 if math.fabs(value(m, m.atom_value[a], g.v)) <= AT_FLOOR * near:
-                    shortest = min(shortest, hidden_from(e, g, a, near))
+                    # to and fro between where it is located and where it is seen to leave
+                    shortest = min(shortest, hidden_from(e, g, a, AT_FLOOR * near))
                     known = False
     return shortest if shortest < math.inf else 0.0
 

@@ -59,6 +59,7 @@ from hybond.engine.jumps.trial import a_priori
 from hybond.engine.mode.digits.fading import remember_jump
 from hybond.engine.mode.equations import mode_of
 from hybond.engine.mode.rows.storage import energy_of
+from hybond.engine.model import Model
 from hybond.engine.surfaces.combine import combine_here
 from hybond.engine.surfaces.values import begin_field, evaluate, field
 from hybond.engine.words import Floats
@@ -149,7 +150,10 @@ def would_rest(e: Engine, g: Landings) -> bool:
         if m.tells != 0:
             tell_no_solution(e, g)
         return False
-    if find_rest(e, g, e.t, g.state) != OK:
+    hold_chosen(m, g, True)
+    found = find_rest(e, g, e.t, g.state)
+    hold_chosen(m, g, False)
+    if found != OK:
         if m.tells != 0:
             tell_no_solution(e, g)
         return False
@@ -172,6 +176,17 @@ def would_rest(e: Engine, g: Landings) -> bool:
             g.found_ratio = g.limit_ratio
         some_found = True
     return some_found
+
+
+def hold_chosen(m: Model, g: Landings, on: bool) -> None:
+    """Let the chosen contacts be held as where they have landed: what leads there does not lead on.
+
+    They may follow machines that others follow where these slide.
+    """
+    for k in range(g.touches):
+        contact = g.touch_contact[k]
+        if g.chosen[k] != 0 and m.is_law[m.contact_machine[contact]] == 0:
+            g.landed[m.contact_machine[contact]] = contact if on else -1
 
 
 def carries(e: Engine, g: Landings, r: int) -> bool:

@@ -44,6 +44,7 @@ def slide_at_limit(e: Engine, i: Instant) -> int:
         s.met = 0
         return NONE_SLIDES
     met = s.met
+    s.first_many = met
     copy_places(met, s.met_surface, 0, s.first_met, 0)
     for k in range(m.machines):
         s.around[k] = e.state[k]

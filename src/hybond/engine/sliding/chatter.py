@@ -102,17 +102,27 @@ def moves_surface(e: Engine) -> int:
 def refuse_restless(e: Engine, machine: int) -> int:
     """Refuse a machine that is another after each turn; one with a contact is struck by each.
 
-    Impacts are instants of their own, and end where they accumulate: where nothing else slides,
-    nothing does, and no machine has been led anywhere.
+    Impacts are instants of their own, and end where they accumulate: what has just been met is not
+    slid on, and no machine has been led anywhere.
     """
     m = e.model
     s = e.slide
     for state in range(m.state_first[machine], m.state_first[machine + 1]):
-        if s.many == 0 and m.contact_at[state] >= 0:
+        if m.contact_at[state] >= 0 and is_any_new(e):
             copy_places(m.machines, s.settled, 0, s.around, 0)
+            s.strikes = True
             return NO_WAY
     say_fault(e, "HB-N415", "what follows a switch that slides has no limit", "")
     return tell_of_surfaces(e, machine)
+
+
+def is_any_new(e: Engine) -> bool:
+    """Whether any of the surfaces first met was not slid on before."""
+    s = e.slide
+    for j in range(s.first_many):
+        if not is_held(e, s.first_met[j]):
+            return True
+    return False
 
 
 def tell_of_surfaces(e: Engine, machine: int) -> int:

@@ -71,11 +71,16 @@ def slide_after(e: Engine, i: Instant, before: Floats) -> int:
         return refuse_turns(e, i) if show_again(e) == OK else REFUSED
     part_from(e)
     met = s.met
+    s.first_many = met
     copy_places(met, s.met_surface, 0, s.first_met, 0)
     decided = NO_WAY
     if met > 0:
         begin_ways(e)
+        s.strikes = False
         decided = decide_met(e, met, moved)
+    if decided == NO_WAY and s.strikes:
+        met = leave_struck(e)
+        decided = decide_met(e, met, moved) if met > 0 else NO_WAY
     if decided == STOPS:
         return REFUSED
     if decided == NO_WAY:
@@ -120,6 +125,22 @@ def decide_met(e: Engine, met: int, moved: bool) -> int:
     if decided == NO_WAY and met == 1 and moved and e.slide.many == 0:
         return decide_collapsed(e)
     return decided
+
+
+def leave_struck(e: Engine) -> int:
+    """Leave those of the surfaces first met that are slid on; return how many there are.
+
+    What has just been met would strike a contact after each turn: it goes on by events.
+    """
+    s = e.slide
+    held = 0
+    for j in range(s.first_many):
+        if is_held(e, s.first_met[j]):
+            s.first_met[held] = s.first_met[j]
+            held += 1
+    s.first_many = held
+    choose_anew(e)
+    return held if held == 0 or take_first_met(e, held) == OK else 0
 
 
 def decide_first(e: Engine, met: int, moved: bool) -> int:

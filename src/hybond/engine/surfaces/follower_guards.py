@@ -11,6 +11,7 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_part, copy_places
 from hybond.engine.answers import value
+from hybond.engine.contacts.landing_records import in_force
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.paired import holds
 from hybond.engine.mode.digits.part_energies import find_energies, reach_of_bond
@@ -111,9 +112,9 @@ def first_holding(e: Engine, j: int, state: int) -> int:
     m = e.model
     machine = m.follower[j]
     for rule in range(m.rule_first[machine], m.rule_first[machine + 1]):
-        # not those by which a machine leaves where it has landed
+        # not those by which a machine leaves where it has landed, nor others that rest there
         asked = m.rule_source[rule] == state and m.rule_landed[rule] == 0
-        if asked and holds_led(e, j, rule):
+        if asked and in_force(m, e.landings, machine, rule) and holds_led(e, j, rule):
             return rule
     return NONE
 

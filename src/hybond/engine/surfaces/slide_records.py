@@ -163,6 +163,8 @@ class Slide:
     phase: Places
     restless: int
     """A machine whose followers find no end, or -1."""
+    strikes: bool
+    """Whether what was just met, and not slid on before, would strike a contact after each turn."""
     apart: Ints
     """Of each machine: whether it has a surface that is slid on, or met."""
     led_many: int
@@ -183,6 +185,7 @@ class Slide:
     met: int
     met_surface: Ints
     first_met: Ints
+    first_many: int
     """Those met before any of them was left out."""
     twin: Ints
     """Of each surface: 1 + that met in its place if the machines of both move something, or 0."""
@@ -233,6 +236,7 @@ def make_slide(m: Model) -> Slide:
     s.of_state = ints(surfaces)
     s.met_surface = ints(surfaces + 1)
     s.first_met = ints(surfaces)
+    s.first_many = 0
     s.twin = ints(surfaces)
     s.sides = ints(surfaces)
     s.best = ints(surfaces)
@@ -296,6 +300,7 @@ def make_slide(m: Model) -> Slide:
     s.turned = ints(m.machines)
     s.phase = make_places(1)
     s.restless = -1
+    s.strikes = False
     s.apart = ints(m.machines)
     s.led_many = -1
     s.led_surface = ints(surfaces)
