@@ -200,6 +200,25 @@ def test_a_tie_is_decided_by_name_not_by_order(order) -> None:
     assert carries == (1 if order == (0, 1) else 0)
 
 
+@pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
+@pytest.mark.parametrize("faint", [0.0, 1e-28, 1e-22, 1e-16, 1e-12, 1e-9, 1e-4])
+def test_an_idle_law_that_moves_others_by_next_to_nothing_decides_nothing(faint, order) -> None:
+    """A diode that blocks whatever others do has no say: of the other two, both carry a current.
+
+    It would move one of them by a rounding of what it carries; it carries nothing.
+    """
+    M = np.array([[0.0, -1.0, 0.0], [1.0, 1e-6, faint], [0.0, 0.0, 0.0]])
+    q = np.array([0.0025, -0.002, 0.003])
+    M, q = M[np.ix_(order, order)], q[list(order)]
+    for common in itertools.product((0, 1), repeat=3):
+        for start in itertools.product((0, 1), repeat=3):
+            p = posed(M, q, [ONE_SIDED] * 3, common, [0] * 3, np.zeros((3, 3)))
+            assert answer_laws(p, list(start)) and p.answers == 1
+            l = np.zeros(3)
+            l[order.index(0)], l[order.index(1)] = 0.002 - 1e-6 * 0.0025, 0.0025
+            assert p.l[:3] == pytest.approx(l)
+
+
 def test_more_laws_than_are_tried_claim_nothing() -> None:
     """Fourteen laws that push each other away, all fed: none is found, and none is excluded."""
     n = 14

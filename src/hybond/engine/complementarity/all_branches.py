@@ -59,6 +59,11 @@ def answer_laws(p: LawProblem, start: Ints) -> bool:
     p.mixed.lcp.proved = False
     p.answers = 1
     found = solve_laws(p, start)
+    for k in range(p.n):
+        if not found and is_known(p, k):
+            p.l[k] = 0.0
+            p.branch[k] = 1 if p.common[k] == 0 else 0
+            p.open[k] = 0
     # of many laws only a path that ends on a ray may prove it
     p.proved = p.lcp.proved or p.mixed.lcp.proved
     parts = split_parts(p)
@@ -91,7 +96,7 @@ def split_parts(p: LawProblem) -> int:
     for k in range(n):
         b.of[k] = -1
     for first in range(n):
-        if b.of[first] >= 0 or p.role[first] == CUT:
+        if b.of[first] >= 0 or not is_asked(p, first):
             continue
         b.of[first] = parts
         b.waiting[0] = first
@@ -100,12 +105,32 @@ def split_parts(p: LawProblem) -> int:
             count -= 1
             k = b.waiting[count]
             for j in range(n):
-                if b.of[j] < 0 and p.role[j] != CUT and feel(p, k, j):
+                if b.of[j] < 0 and is_asked(p, j) and feel(p, k, j):
                     b.of[j] = parts
                     b.waiting[count] = j
                     count += 1
         parts += 1
     return parts
+
+
+def is_asked(p: LawProblem, k: int) -> bool:
+    """Whether a port has anything to say in what its part does."""
+    return p.role[k] != CUT and not is_known(p, k)
+
+
+def is_known(p: LawProblem, k: int) -> bool:
+    """Whether a law has a `w` that no law moves and that is above zero: its `l` is zero.
+
+    In a part it would only be in the way: what moves others by next to nothing, as rounding of
+    slopes does, has an `l` of units beside which theirs are nothing.
+    """
+    n = p.n
+    if p.role[k] != ONE_SIDED or not p.moved[k] > p.noise[k]:
+        return False
+    for j in range(n):
+        if p.m[k * n + j] != 0.0:
+            return False
+    return True
 
 
 def feel(p: LawProblem, k: int, j: int) -> bool:

@@ -242,12 +242,15 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     for b in range(n):
         r.zero[b] = e.work.w[b]
         r.zero_terms[b] = size_of(e, mode, b, e.work.xi, v)
+    hold_guess(e, mode)
     for k in range(m.ports):
         unit = probe_of(m, p, k, r.zero)
         r.l[k] = unit
         if solve_with(e, p, v, r.l) != OK:
             return REFUSED
         r.l[k] = 0.0
+        # from where the last port was asked Newton would come back with the rounding of its unit
+        give_back_guess(e, mode)
         for b in range(n):
             moved = e.work.w[b] - r.zero[b]
             still = math.fabs(moved) <= DIGITS * max(r.zero_terms[b], size_of_terms(e, mode, b))
