@@ -217,10 +217,10 @@ class _Powers:
         self.bond = np.array([end.bond for end in ends], dtype=np.intp)
         self._sign = np.array([float(end.sign) for end in ends])
         self._many = many = len(graph.bonds)
-        domains = [b.domain.name for b in graph.bonds]
-        self._same = np.array(
-            [[domains[k] == d for d in domains] for k in self.bond], dtype=bool
-        ).reshape(len(ends), many)
+        numbers: dict[str, int] = {}
+        domain = [numbers.setdefault(b.domain.name, len(numbers)) for b in graph.bonds]
+        self._domain = np.array([domain[k] for k in self.bond], dtype=np.intp)
+        self._bonds_of = [np.flatnonzero(np.equal(domain, d)) for d in range(len(numbers))]
         # of steps in which laws hold at the end: the largest efforts and flows of the run
         self._strongest = np.zeros(2 * many)
         for segment in trace.segments:
@@ -270,7 +270,7 @@ class _Powers:
         # what rests under a load moves by the rounding of the fastest motion in its domain, and
         # what flows without a load feels the rounding of the largest one, between two-ports too
         loads, speeds = (
-            np.where(self._same, a, 0.0).max(axis=1, initial=0.0)[:, None]
+            np.array([a[bonds].max() for bonds in self._bonds_of])[self._domain, None]
             for a in (most[: self._many], most[self._many : 2 * self._many])
         )
         return np.asarray(0.1 * (e * speeds + loads * f))
