@@ -9,7 +9,6 @@ import pytest
 
 import hybond as hb
 from hybond.engine.outcome.audit import _Powers
-from hybond.engine.outcome.records import Trace
 
 
 def motors(many: int) -> hb.Model:
