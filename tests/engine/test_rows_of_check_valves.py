@@ -50,7 +50,7 @@ def oracle(many: int) -> np.ndarray:
         head = np.maximum(p[:-1] - p[1:], 0.0)
         flow = (np.sqrt(LAMINAR**2 + 4.0 * ROUGH * head) - LAMINAR) / (2.0 * ROUGH)
         into = np.r_[1e-3 * (1.0 + math.sin(t / 10.0)), flow]
-        return (into - np.r_[flow, p[-1] / OUTLET]) / AREA
+        return np.asarray((into - np.r_[flow, p[-1] / OUTLET]) / AREA)
 
     found = solve_ivp(rates, (0.0, UNTIL), levels(many), method="LSODA", rtol=1e-11, atol=1e-7)
     return np.asarray(found.y[:, -1])
