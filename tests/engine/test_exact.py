@@ -410,3 +410,20 @@ def test_integrals_along_a_simple_motion_are_seen(rate, until, want):
         want = t / 2.0 - math.sin(4.0 * math.pi * t) / (8.0 * math.pi)
     # a kink is no event
     assert run["y"].at(until) == pytest.approx(want, rel=2e-6 if "abs" in rate else 2e-8)
+
+
+@pytest.mark.parametrize("cells", [150, 210])
+def test_what_more_than_400_states_were_left_to_is_said(cells: int) -> None:
+    m = hb.Model("line", domain="electrical")
+    m.add(V=hb.Se(1.0), s=hb.One(), r=hb.R(1.0))
+    m.bond("V -> s -> r")
+    for k in range(cells):
+        m.add(**{f"z{k}": hb.Zero(), f"c{k}": hb.C(1.0), f"i{k}": hb.One(), f"l{k}": hb.I(1.0)})
+        m.bond(f"{f'i{k - 1}' if k else 's'} -> z{k} -> c{k}", f"z{k} -> i{k} -> l{k}")
+    run = hb.simulate(m, 0.1)
+    few = "1 mode propagated exactly"
+    assert run.method == (
+        few if cells == 150 else "all modes by steps of rk45: more than 400 states"
+    )
+    # the first capacitor hardly sees the second one yet
+    assert run.final["c0.e"] == pytest.approx(-math.expm1(-0.1), rel=3e-3)

@@ -154,6 +154,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         entering            a mode entered, with laws of junctions or without
         laws                modes with laws of junctions: first what jumps, then what lasts
         ports, response     the graph with its laws left open, and what it says of them
+        ports_together      which ports are tried together to learn that
         end_ports           which of their variables is the unknown of a time step
         law_branches, law_jumping, law_records    which branches are taken; which of an impulse
         law_instant, law_friction, law_rates    what laws may do; dry friction; how zeros move on

@@ -55,12 +55,13 @@ def observe_event(e: Engine, i: Instant) -> None:
         g.state[k] = g.before_state[k]
         g.struck[k] = -1
         g.fired[k] = 0
+    for f in range(i.first.at[i.steps]):
+        g.fired[i.machine.at[f]] = 1
     for step in range(i.steps):
         for f in range(i.first.at[step], i.first.at[step + 1]):
             g.state[i.machine.at[f]] = i.target.at[f]
-            g.fired[i.machine.at[f]] = 1
         if i.kind.at[step] == PINNACLE:
-            note_struck(m, g)
+            note_struck(m, g, i.cause == START)
     exchange_interval(e)
     for k in range(m.machines):
         if g.struck[k] >= 0:
@@ -70,11 +71,14 @@ def observe_event(e: Engine, i: Instant) -> None:
     exchange_interval(e)
 
 
-def note_struck(m: Model, g: Landings) -> None:
-    """Note the contacts that are struck in a pinnacle, and its mode."""
+def note_struck(m: Model, g: Landings, begins: bool) -> None:
+    """Note the contacts that are struck in a pinnacle, and its mode; `begins` as the run does.
+
+    One that was closed before the instant, and is so behind it, is not: nothing comes of it.
+    """
     for k in range(m.machines):
         contact = m.contact_at[m.state_first[k] + g.state[k]]
-        if contact >= 0 and g.landed[k] < 0:
+        if contact >= 0 and g.landed[k] < 0 and (begins or g.fired[k] != 0):
             g.struck[k] = contact
             copy_places(m.machines, g.state, 0, g.struck_state, k * m.machines)
 

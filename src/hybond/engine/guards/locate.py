@@ -140,8 +140,13 @@ def search(e: Engine, g: Locator) -> int:
 
 
 def take_sides_of_kinks(e: Engine, g: Locator) -> None:
-    """Note on which side of each kink the step begins; of one the motion begins at, where to."""
+    """Note on which side of each kink the step begins; of one the motion begins at, where to.
+
+    All are looked at in one instant before any is in the next: there the motion is solved for.
+    """
+    begins = False
     for k in range(g.guards):
+        g.done[k] = 0
         if g.side[k] == NO_KINK:
             continue
         a = g.atom_first[k]
@@ -151,15 +156,33 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             g.sleep[k] = max(g.sleep[k], 1)
             continue
         if math.isfinite(here) and math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
-            if g.side[k] != 0:
-                continue  # not passed yet
-            soon = SOON * (e.step.t1 - e.step.t0)
+            if g.side[k] == 0:
+                g.done[k] = 1
+                begins = True
+            continue  # not passed yet
+        g.side[k] = side_of(here)
+    if begins:
+        take_sides_soon(e, g)
+
+
+def take_sides_soon(e: Engine, g: Locator) -> None:
+    """Note where the motion goes to from the kinks that it begins at, those in `g.done`."""
+    soon = SOON * (e.step.t1 - e.step.t0)
+    for k in range(g.guards):
+        if g.done[k] != 0:
+            a = g.atom_first[k]
             here = atom_at(e, g, a, e.step.t0 + soon)
+            g.side[k] = side_of(here)
             if math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
-                here = 0.0
-            elif not moves_off(e, g, k, soon):
-                here = 0.0
-        g.side[k] = 1 if here > 0.0 else -1 if here < 0.0 else 0
+                g.side[k] = 0
+    for k in range(g.guards):
+        if g.done[k] != 0 and g.side[k] != 0 and not moves_off(e, g, k, soon):
+            g.side[k] = 0
+
+
+def side_of(here: float) -> int:
+    """Return on which side of a kink this is."""
+    return 1 if here > 0.0 else -1 if here < 0.0 else 0
 
 
 def first_of_block(e: Engine, g: Locator) -> None:

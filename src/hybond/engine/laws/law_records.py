@@ -106,6 +106,12 @@ class Laws:
     tried: Ints
     many_tried: int
     l: Floats
+    chosen: Ints
+    stored_taken: Ints
+    port_taken: Ints
+    truths: Places
+    """Of ports that are tried together; see `laws/ports_together`."""
+    width: Floats
     zero: Floats
     zero_terms: Floats
     field: Floats
@@ -313,6 +319,11 @@ def make_laws(m: Model) -> Laws:
     r.given = ints(m.junctions)
     r.tried = ints(n)
     r.l = floats(n)
+    r.chosen = ints(n)
+    r.stored_taken = ints(m.storages)
+    r.port_taken = ints(n)
+    r.truths = make_places(1)
+    r.width = floats(n)
     r.zero = floats(2 * m.bonds)
     r.zero_terms = floats(2 * m.bonds)
     r.field = floats(m.storages)

@@ -122,6 +122,7 @@ def open_ports(e: Engine, r: Laws, p: Ports, mode: Mode) -> int:
     p.stamp = e.modes_built
     p.linear = mode.dynamics == 0 and m.groups == 0
     p.known = False
+    mode.port_acting.known = False
     p.monotone = False
     p.moves = NOT_ASKED
     return OK

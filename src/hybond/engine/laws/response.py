@@ -27,6 +27,7 @@ from hybond.engine.laws.ports import (
     solve_with,
     times_partner,
 )
+from hybond.engine.laws.ports_together import are_told_apart, next_together
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import Mode
@@ -242,20 +243,48 @@ def find_gains(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
     for b in range(n):
         r.zero[b] = e.work.w[b]
         r.zero_terms[b] = size_of(e, mode, b, e.work.xi, v)
+    # from where the last ports were asked Newton would come back with the rounding of their units
     hold_guess(e, mode)
+    if are_told_apart(e, r, p):
+        found = gains_together(e, r, p, v, gain)
+        copy_floats(2 * m.slots, r.kept, v)
+        return found
     for k in range(m.ports):
         unit = probe_of(m, p, k, r.zero)
         r.l[k] = unit
         if solve_with(e, p, v, r.l) != OK:
             return REFUSED
         r.l[k] = 0.0
-        # from where the last port was asked Newton would come back with the rounding of its unit
         give_back_guess(e, mode)
         for b in range(n):
             moved = e.work.w[b] - r.zero[b]
             still = math.fabs(moved) <= DIGITS * max(r.zero_terms[b], size_of_terms(e, mode, b))
             gain[b * m.ports + k] = 0.0 if still else moved / unit
     copy_floats(2 * m.slots, r.kept, v)
+    return OK
+
+
+def gains_together(e: Engine, r: Laws, p: Ports, v: Floats, gain: Floats) -> int:
+    """Do the same, with ports that act on no bond variable together at once."""
+    m = e.model
+    mode = open_mode(e, p)
+    a = mode.port_acting
+    for i in range(2 * m.bonds * m.ports):
+        gain[i] = 0.0
+    for g in range(a.groups):
+        for k in range(m.ports):
+            r.l[k] = probe_of(m, p, k, r.zero) if a.group.at[k] == g else 0.0
+        if solve_with(e, p, v, r.l) != OK:
+            return REFUSED
+        give_back_guess(e, mode)
+        for k in range(m.ports):
+            for q in range(a.first.at[k], a.first.at[k + 1] if r.l[k] != 0.0 else a.first.at[k]):
+                b = a.rate.at[q]
+                moved = e.work.w[b] - r.zero[b]
+                still = math.fabs(moved) <= DIGITS * max(r.zero_terms[b], size_of_terms(e, mode, b))
+                gain[b * m.ports + k] = 0.0 if still else moved / r.l[k]
+    for k in range(m.ports):
+        r.l[k] = 0.0
     return OK
 
 
@@ -267,7 +296,10 @@ def size_of_terms(e: Engine, mode: Mode, b: int) -> float:
     w = e.work.w
     frees = mode.finite_frees if mode.dynamics > 0 else 0
     size = row_size(mode.finite, mode.same[b], e.work.xi) + math.fabs(w[b])
-    for j in range(frees):
+    for q in range(
+        mode.share_first.at[b] if frees > 0 else 0, mode.share_first.at[b + 1] if frees > 0 else 0
+    ):
+        j = mode.share_of.at[q]
         size += math.fabs(mode.finite_free.at[b * frees + j] * w[mode.free_column[j]])
     return size
 
@@ -299,16 +331,11 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     for k in range(n):
         r.l[k] = 0.0
     for j in range(n):
-        h = math.inf
-        most = 0.0
-        for s in range(m.storages):
-            rate = math.fabs(a.e[s * n + j])
-            most = max(most, rate)
-            holds = max(reach[s], math.fabs(x[s]))
-            if rate > 0.0 and holds > 0.0:
-                h = min(h, NUDGE * holds / rate)
-        if most > 0.0 and not math.isfinite(h):
-            h = NUDGE * LEAST_REACH / most
+        r.width[j] = width_of(e, r, j, x)
+    if are_told_apart(e, r, p):
+        return directional_together(e, r, v, x)
+    for j in range(n):
+        h = r.width[j]
         for k in range(n):
             a.ce[k * n + j] = 0.0
             r.row_terms[k] = a.size[k]
@@ -329,6 +356,57 @@ def directional(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
             moved = a.ce[k * n + j]
             still = math.fabs(moved) <= DIGITS * r.row_terms[k]
             a.ce[k * n + j] = 0.0 if still else moved / (2.0 * h)
+    copy_floats(2 * m.slots, r.kept, v)
+    return OK
+
+
+def width_of(e: Engine, r: Laws, j: int, x: Floats) -> float:
+    """Return how long port j is to push in differences; infinite where it moves nothing."""
+    m = e.model
+    n = m.ports
+    h = math.inf
+    most = 0.0
+    for s in range(m.storages):
+        rate = math.fabs(r.response.e[s * n + j])
+        most = max(most, rate)
+        holds = max(e.work.reach[s], math.fabs(x[s]))
+        if rate > 0.0 and holds > 0.0:
+            h = min(h, NUDGE * holds / rate)
+    return NUDGE * LEAST_REACH / most if most > 0.0 and not math.isfinite(h) else h
+
+
+def directional_together(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
+    """Do the same for columns at once whose motion no port feels together."""
+    m = e.model
+    p = r.now
+    a = r.response
+    n = m.ports
+    mode = open_mode(e, p)
+    for i in range(n * n):
+        a.ce[i] = 0.0
+    for j in range(n):
+        r.chosen[j] = 2 if math.isfinite(r.width[j]) else 0
+    while next_together(m, r, mode, a.e):
+        copy_floats(n, a.size, r.row_terms)
+        for way in range(2):
+            sign = 1.0 if way == 0 else -1.0
+            for s in range(m.storages):
+                v[m.stored_slot + s] = x[s]
+                j = r.stored_taken[s] - 1
+                if j >= 0:
+                    v[m.stored_slot + s] = x[s] + sign * r.width[j] * a.e[s * n + j]
+            if solve_with(e, p, v, r.l) != OK:
+                return REFUSED
+            times_partner(m, p, e.work.w, r.row)
+            add_partner_terms(m, p, e.work.w, r.row_terms)
+            for k in range(n):
+                if r.port_taken[k] > 0:
+                    a.ce[k * n + r.port_taken[k] - 1] += sign * r.row[k]
+        for k in range(n):
+            if r.port_taken[k] > 0:
+                at = k * n + r.port_taken[k] - 1
+                still = math.fabs(a.ce[at]) <= DIGITS * r.row_terms[k]
+                a.ce[at] = 0.0 if still else a.ce[at] / (2.0 * r.width[r.port_taken[k] - 1])
     copy_floats(2 * m.slots, r.kept, v)
     return OK
 

@@ -224,6 +224,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     divide_rows(m, mode)
     find_groups(m, mode)
     mode.acting.known = False
+    mode.port_acting.known = False
     mode.power = mode.finite
     mode.power_free = mode.finite_free
     mode.power_frees = mode.finite_frees

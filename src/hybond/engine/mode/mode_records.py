@@ -226,6 +226,10 @@ class Mode:
     unseen_held: Places
     apart: Apart
     acting: Acting
+    port_acting: Acting
+    """Of a mode with its laws open: the same of ports and bond variables, ..."""
+    stored_acting: Acting
+    """... and of what is stored and what ports are answered."""
     leakage: Leakage
     loose: int
     freedom: Block
@@ -404,6 +408,8 @@ def make_mode(m: Model) -> Mode:
     mode.unseen_held = make_places(1)
     mode.apart = make_apart()
     mode.acting = make_acting()
+    mode.port_acting = make_acting()
+    mode.stored_acting = make_acting()
     mode.leakage = make_leakage()
     mode.freedom = make_block(1)
     mode.guess = make_block(1)

@@ -210,9 +210,9 @@ class _Powers:
         self._sign = np.array([float(end.sign) for end in ends])
         self._many = many = len(graph.bonds)
         names = [b.domain.name for b in graph.bonds]
-        self._domains = [np.array([n == d for n in names]) for d in dict.fromkeys(names)]
-        which = {d: k for k, d in enumerate(dict.fromkeys(names))}
-        self._domain = np.array([which[names[k]] for k in self.bond.tolist()], dtype=np.intp)
+        domains = list(dict.fromkeys(names))
+        self._domains = [np.array([n == d for n in names]) for d in domains]
+        self._domain = np.array([domains.index(names[k]) for k in self.bond], dtype=np.intp)
         # of steps in which laws hold at the end: the largest efforts and flows of the run
         self._strongest = np.zeros(2 * many)
         for w in stepped:

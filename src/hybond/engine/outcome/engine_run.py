@@ -18,6 +18,8 @@ from hybond.blocks.runners import Runner
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.compiled.rows import Rows
 from hybond.engine.compiled.sliced import ACCUMULATES, REFUSED
+from hybond.engine.method_numbers import AUTO
+from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.outcome.beginnings import Beginning, not_of_this_model
 from hybond.engine.outcome.engines import Prepared
 from hybond.engine.outcome.explain import Explaining
@@ -255,6 +257,11 @@ class EngineRun:
             mean = (t - self._last) / self._since
             raise self._refused(Refusal("HB-N409", "", "", t, (mean,)))
 
+    def _is_large(self) -> bool:
+        """Whether ``auto`` leaves all modes to steps, since states are many."""
+        states = len(self.tables.graph.storages) + len(self.tables.graph.integrals)
+        return int(self.tables.numbers["method"]) == AUTO and states > LARGE
+
     def _count(self) -> None:
         run = self._run
         self.trace.energy = max(self.trace.energy, run.energy)
@@ -272,7 +279,7 @@ class EngineRun:
         if found:
             self.trace.stats["propagated"] = float(found[0])
             left = [*zip(self._why, found[1:], strict=True)]
-            self.trace.method = _method(left, found[0], self.trace.turns)
+            self.trace.method = _method(left, found[0], self.trace.turns, self._is_large())
         if self.trace.turns:
             self.trace.stats["turns"] = float(len(self.trace.turns))
 
@@ -322,9 +329,11 @@ class EngineRun:
         )
 
 
-def _method(left: list[tuple[str, int]], many: int, turns: Sequence[Turn]) -> str:
+def _method(left: list[tuple[str, int]], many: int, turns: Sequence[Turn], large: bool) -> str:
     """Return how many modes were propagated exactly, why not more, and who had the others."""
     texts = [f"{_modes(many)} propagated exactly"] if many or not any(n for _, n in left) else []
+    if large and not many:
+        texts = [f"all modes by steps of rk45: more than {LARGE} states"]
     texts += [f"{_modes(n)} by steps of rk45: {why}" for why, n in sorted(left) if n]
     if turns:
         texts.append(f"stiff: {', '.join(map(str, turns[:TOLD]))}")

@@ -80,9 +80,10 @@ def touch_row(e: Engine, mode: Mode, i: int) -> None:
             x.row[m.slope_column[p]] = 1.0
     for j in range(frees):
         x.touched.at[i * frees + j] = 0.0
-        for k in range(2 * m.bonds):
-            if x.row[k] != 0.0 and mode.finite_free.at[k * frees + j] != 0.0:
-                x.touched.at[i * frees + j] = 1.0
+    for k in range(2 * m.bonds if frees > 0 else 0):
+        if x.row[k] != 0.0:
+            for p in range(mode.share_first.at[k], mode.share_first.at[k + 1]):
+                x.touched.at[i * frees + mode.share_of.at[p]] = 1.0
 
 
 def reach(x: Exact, rows: int, frees: int) -> None:
