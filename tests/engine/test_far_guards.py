@@ -8,7 +8,7 @@ import pytest
 
 import hybond as hb
 from hybond.engine.engine import Engine
-from hybond.engine.guards import locate
+from hybond.engine.guards import in_blocks
 from hybond.engine.guards.locator import Locator
 
 PEAK, FREQUENCY = 100.0, 50.0
@@ -106,13 +106,13 @@ def test_diodes_that_a_ladder_has_not_reached_are_not_sampled(
 ) -> None:
     # what is put back on constraints moves both sides of each of them alike
     sampled = []
-    sample = locate.sample
+    sample = in_blocks.sample
 
     def counted(e: Engine, g: Locator) -> None:
         sampled.append(sum(1 for k in range(g.guards) if g.solved[k] == 0))
         sample(e, g)
 
-    monkeypatch.setattr(locate, "sample", counted)
+    monkeypatch.setattr(in_blocks, "sample", counted)
     run = hb.simulate(ladder(diodes), until="24 ms", engine="python")
     assert len(run.events) == 5
     # some four of them work by then, however many are behind

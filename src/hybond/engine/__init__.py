@@ -173,8 +173,9 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
         in_force            rules that are asked
         kept_sides          guards of what is rounding: it is what it was
         locate, locator     the first instant of a step at which a guard holds
+        timetable, timetable_records    those that time alone decides: known ahead
         watching            which are looked for in a mode
-        guard_values, guard_shape, candidates, turns, bracket    by samples
+        in_blocks, guard_values, guard_shape, candidates, turns, bracket    by samples
         rim                 up to where what a guard compares is rounding
         solved_guards, step_polynomials, quartic    by polynomials
         unresolved          what laws carry, beside its rounding

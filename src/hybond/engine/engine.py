@@ -11,6 +11,7 @@ from hybond.engine.checks.check_records import Checks, make_checks
 from hybond.engine.contacts.landing_records import Landings, make_landings
 from hybond.engine.expressions.course_records import Courses, make_courses
 from hybond.engine.guards.rest_records import Rests, make_rests
+from hybond.engine.guards.timetable_records import Timetable, make_timetable
 from hybond.engine.inputs.calls import Calls, call_outside, make_calls
 from hybond.engine.laws.law_records import OPEN_KEPT, Laws, make_laws
 from hybond.engine.method_numbers import AUTO, EXACT, MOREAU, QSS1, RADAU
@@ -276,6 +277,7 @@ class Engine:
     landings: Landings
     planar: Planar
     rests: Rests
+    timetable: Timetable
     stepping: Stepping
     rates: Sums
     """The rates of the state in the motion, if they are `straight`: sums of the state, all."""
@@ -430,6 +432,7 @@ def make_engine(m: Model) -> Engine:
     e.landings = make_landings(m)
     e.planar = make_planar(m)
     e.rests = make_rests(m)
+    e.timetable = make_timetable(m)
     if m.method == RADAU:
         e.radau = make_radau(e.states)
     if m.method == EXACT or m.method == AUTO or m.method >= QSS1:

@@ -113,7 +113,7 @@ def may_rest(e: Engine, g: Locator, k: int) -> bool:
     """Whether guard k is one of a machine written by hand, and is not seen at once to cross."""
     if g.rule[k] < 0 or g.part[k] >= 0 or g.side[k] != NO_KINK or not is_by_hand(e, g.rule[k]):
         return False
-    return g.solved[k] == 0 or not crosses_clearly(e, g, k)
+    return g.foreseen[k] == 0 and (g.solved[k] == 0 or not crosses_clearly(e, g, k))
 
 
 def crosses_clearly(e: Engine, g: Locator, k: int) -> bool:

@@ -15,7 +15,15 @@ from hybond.engine.guards.guard_values import (
     terms_here,
     test_here,
 )
-from hybond.engine.guards.locator import FRACTION, GRID, NO_KINK, SAMPLES, TERMS, Locator
+from hybond.engine.guards.locator import (
+    FRACTION,
+    GRID,
+    NO_KINK,
+    SAMPLES,
+    TERMS,
+    Locator,
+    is_sampled,
+)
 from hybond.engine.guards.naps import is_asleep, let_sleep
 from hybond.engine.guards.noise import is_noise
 from hybond.engine.words import Floats
@@ -40,8 +48,8 @@ def sample(e: Engine, g: Locator) -> None:
     g.sampled = True
     for i in range(SAMPLES):
         look_at_sample(e, g, g.t[i])
-        for k in range(g.guards):
-            if g.solved[k] != 0:
+        for k in range(g.asked_from, g.asked_until):
+            if not is_sampled(g, k):
                 continue
             asleep = is_asleep(g, k)
             g.truth[k * SAMPLES + i] = 1 if not asleep and test_here(e, g, k) else 0
@@ -53,14 +61,15 @@ def sample(e: Engine, g: Locator) -> None:
 
 def find_shape(g: Locator) -> None:
     """Say what the samples of all comparisons look like. After _Shape.of."""
-    for k in range(g.guards):
+    for k in range(g.asked_from, g.asked_until):
         g.calm[k] = 1
         g.turn[k] = math.inf
-        for a in range(g.atom_first[k], g.atom_first[k + 1] if g.solved[k] == 0 else 0):
+        sampled = is_sampled(g, k)
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if sampled else 0):
             if not stays(g, a):
                 g.calm[k] = 0
             g.turn[k] = min(g.turn[k], first_turn(g, a))
-        for a in range(g.turn_first[k], g.turn_first[k + 1] if g.solved[k] == 0 else 0):
+        for a in range(g.turn_first[k], g.turn_first[k + 1] if sampled else 0):
             if g.calm[k] != 0 and not stays(g, a):
                 g.calm[k] = 0
 
@@ -148,8 +157,8 @@ def first_turn(g: Locator, a: int) -> float:
 
 def is_resolved(e: Engine, g: Locator, depth: int) -> bool:
     """Whether the samples show all that the guards do, rounding left out."""
-    for k in range(g.guards):
-        for a in range(g.atom_first[k], g.atom_first[k + 1] if g.solved[k] == 0 else 0):
+    for k in range(g.asked_from, g.asked_until):
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if is_sampled(g, k) else 0):
             if g.doubtful[a] == 0 or is_rounding(e, g, k, a):
                 continue
             if depth % ASKED_EVERY != 1 or not is_noise(e, g, k, a):
@@ -164,9 +173,9 @@ def give_up_kinks(e: Engine, g: Locator) -> bool:
     which of them flows. Nothing jumps there by more than the error of the step sees.
     """
     shown = True
-    for k in range(g.guards):
+    for k in range(g.asked_from, g.asked_until):
         resolved = True
-        for a in range(g.atom_first[k], g.atom_first[k + 1] if g.solved[k] == 0 else 0):
+        for a in range(g.atom_first[k], g.atom_first[k + 1] if is_sampled(g, k) else 0):
             resolved = resolved and (g.doubtful[a] == 0 or is_rounding(e, g, k, a))
         if resolved:
             continue

@@ -108,6 +108,11 @@ class Locator:
     solved: Ints
     """Of each guard: whether its comparisons are polynomials of the step, or nowhere near zero, and
     no samples needed."""
+    foreseen: Ints
+    """Of each guard: whether time alone decides it, and when it holds next is known."""
+    asked_from: int
+    asked_until: int
+    """Which guards are looked for in blocks of the step: all, or one."""
     still: Ints
     """Of each guard: whether it was asked while nothing moved of what it compares, and did not
     hold; what its comparisons were then, and the sizes of their terms: 0 and -1 of what was zero.
@@ -310,6 +315,7 @@ def fit_locator(g: Locator, guards: int, atoms: int) -> None:
     g.turn = floats(g.room)
     g.done = ints(g.room)
     g.solved = ints(g.room)
+    g.foreseen = ints(g.room)
     g.denied = ints(g.room)
     g.seen = ints(g.room)
     g.still = ints(g.room)
@@ -390,6 +396,11 @@ def begin_looks(m: Model, g: Locator) -> None:
         g.seen[k] = 0
     for b in range(2 * m.bonds):
         g.row_seen[b] = 0
+
+
+def is_sampled(g: Locator, k: int) -> bool:
+    """Whether it takes samples of a guard to know when it holds."""
+    return g.solved[k] == 0 and g.foreseen[k] == 0
 
 
 def has_failed(g: Locator) -> bool:

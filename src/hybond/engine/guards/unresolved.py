@@ -13,7 +13,7 @@ from typing import Final
 from hybond.engine.engine import Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import holds_at, look, terms_here
-from hybond.engine.guards.locator import ALL_PARTS, FRACTION, SAMPLES, Locator
+from hybond.engine.guards.locator import ALL_PARTS, FRACTION, SAMPLES, Locator, is_sampled
 from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE, horner
 from hybond.engine.reasons.warned import UNRESOLVED, add_about, begin_warning
 
@@ -50,7 +50,7 @@ def see_held_back(e: Engine, g: Locator) -> None:
     for k in range(g.guards if e.mode.finite_frees > 0 else 0):
         r = g.rule[k]
         a = g.atom_first[k]
-        if r < 0 or g.solved[k] != 0 or g.part[k] != ALL_PARTS or g.atom_first[k + 1] != a + 1:
+        if r < 0 or not is_sampled(g, k) or g.part[k] != ALL_PARTS or g.atom_first[k + 1] != a + 1:
             continue
         for i in range(0, SAMPLES, 4):
             c.carried[r] = max(c.carried[r], math.fabs(g.shape[a * SAMPLES + i]))

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from hybond.engine.engine import Engine
 from hybond.engine.guards.in_force import is_asked
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, NONE, Locator, fit_locator
+from hybond.engine.guards.timetable_records import by_time_alone
 from hybond.engine.mode.comparisons.sum_records import begin_sums
 from hybond.engine.mode.comparisons.sums import take_sum
 from hybond.engine.mode.reading import read_guard, read_nothing
-from hybond.engine.model import Model
 from hybond.engine.surfaces.followers import is_led
 from hybond.engine.surfaces.law_means import is_meant, rests_on_mean
 from hybond.engine.surfaces.surface import part_mode
 from hybond.engine.words import Ints
-
-TIME_SLOT: Final = 0
-"""Where the time stands among the values that expressions read."""
 
 
 def watch(e: Engine, g: Locator, state: Ints) -> None:
@@ -130,14 +125,6 @@ def watch_kink(e: Engine, g: Locator, k: int, part: int) -> None:
     g.pair[g.guards] = m.kink_pair[k]
     end_guard(g, m.kink_atom + k, m.kink_atom + k + 1)
     read_guard(m, e.mode, g.reads, m.kink_pair[k])
-
-
-def by_time_alone(m: Model, pair: int) -> bool:
-    """Whether time alone decides what is compared, or nothing does."""
-    for p in range(m.read_first[pair], m.read_first[pair + 1]):
-        if m.read_slot[p] != TIME_SLOT:
-            return False
-    return True
 
 
 def watch_slide(e: Engine, g: Locator) -> None:

@@ -7,6 +7,7 @@ from typing import Final
 
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.guards.locator import NONE, Locator, another_locator, make_locator
+from hybond.engine.guards.timetable_records import forget_timetable
 from hybond.engine.inputs.interval import is_due, is_timed
 from hybond.engine.instant.instant import INPUT, SAMPLE, TIME, Instant, make_instant
 from hybond.engine.instant.settling import Settling, make_settling
@@ -229,6 +230,7 @@ def begin(e: Engine) -> None:
         e.y[m.storages + k] = m.integral_start[k]
     for k in range(m.machines):
         e.state[k] = m.start[k]
+    forget_timetable(e.timetable, m.rule_first[m.machines])
 
 
 def is_over(e: Engine) -> bool:
