@@ -1,35 +1,52 @@
-"""The energy of a storage in closed form, where its law goes to and fro for ever.
+"""The energy of a storage in closed form, where a formula with points would take many.
 
 A pendulum that turns over, or a magnet that pulls at each tooth, has a law that is a sum of sines
-of what it stores. A formula with points would need more of them with every turn.
+of what it stores, and needs more points with every turn. A contact of Hertz bends where it begins
+to push, which has to be looked for.
 """
 
 from __future__ import annotations
 
-from hybond.model.expressions import Binary, Call, Expr, Name, Neg, Number, names
+from hybond.model.expressions import Binary, Call, Expr, Name, Neg, Number, names, simplify
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import walk
 
 Line = tuple[Expr, Expr]
 
 
-def energy_in_waves(law: Expr, name: str) -> Expr | None:
-    """Return the integral of a law from zero to `name`, None if no wave is in it, or aught else.
+def known_energy(law: Expr, name: str) -> Expr | None:
+    """Return the integral of a law from zero to `name`, None if it takes no closed form.
 
-    Waves are sines and cosines of a straight line; powers may stand beside them. A difference of
-    two cosines is written as a product, which has its digits near zero, too.
+    It does if there are waves in it, sines and cosines of a straight line, or what pushes one way,
+    powers of ``max(line, 0)``; powers may stand beside them. A difference of two cosines is written
+    as a product, which has its digits near zero, too. What pushes where nothing is stored is left
+    to points: the energy would be a difference.
 
     Examples
     --------
     >>> from hybond.model.expressions import parse
-    >>> str(energy_in_waves(parse("3*sin(2*q)"), "q"))
+    >>> str(known_energy(parse("3*sin(2*q)"), "q"))
     '3*(2*sin(2*q/2)*sin(2*q/2 + 0)/2)'
-    >>> energy_in_waves(parse("3*q^2"), "q"), energy_in_waves(parse("sin(q^2)"), "q")
+    >>> str(known_energy(parse("5*max(q - 2, 0)^1.5"), "q"))
+    '5*(max(q - 2, 0)^2.5/2.5)'
+    >>> known_energy(parse("3*q^2"), "q"), known_energy(parse("sin(q^2)"), "q")
     (None, None)
     """
-    if not any(_is_wave(part, name) for part, _ in walk(law)):
+    if not any(_is_wave(part, name) or _is_push(part, name) for part, _ in walk(law)):
         return None
     return _integral(law, name)
+
+
+def _is_push(e: Expr, name: str) -> bool:
+    """Whether it is ``max(line, 0)`` of a line that is not above zero where nothing is stored."""
+    match e:
+        case Call(function="max", args=(arg, Number(least))) if name in names(arg):
+            line = _line(arg, name)
+            if line is None or is_slotted(least) or least != 0.0:
+                return False
+            begin = simplify(line[1])
+            return isinstance(begin, Number) and not is_slotted(begin.value) and begin.value <= 0.0
+    return False
 
 
 def _is_wave(e: Expr, name: str) -> bool:
@@ -59,6 +76,12 @@ def _integral(e: Expr, name: str) -> Expr | None:
             up = Number(degree + 1.0)
             whole = degree >= 2.0 and degree == int(degree)
             return Binary("/", Binary("^", x, up), up) if whole else None
+        case Binary(op="^", left=Call() as push, right=Number(degree)) if _is_push(push, name):
+            if is_slotted(degree) or degree < 0.0:
+                return None
+            return _of_push(push, degree + 1.0, name)
+        case Call(function="max") if _is_push(e, name):
+            return _of_push(e, 2.0, name)
         case Call(function="sin" | "cos" as wave, args=(arg,)):
             line = _line(arg, name)
             return None if line is None else _of_wave(wave, line, x)
@@ -72,6 +95,17 @@ def _of_wave(wave: str, line: Line, x: Expr) -> Expr:
     middle = Call(wave, (Binary("+", half, offset),))
     product = Binary("*", Binary("*", Number(2.0), Call("sin", (half,))), middle)
     return Binary("/", product, slope)
+
+
+def _of_push(push: Call, up: float, name: str) -> Expr:
+    """Return ``max(line, 0)^up/(up*slope)``."""
+    line = _line(push.args[0], name)
+    assert line is not None
+    slope = simplify(line[0])
+    by: Expr = Number(up)
+    if slope != Number(1.0):
+        by = Binary("*", by, slope)
+    return Binary("/", Binary("^", push, Number(up)), by)
 
 
 def _line(e: Expr, name: str) -> Line | None:

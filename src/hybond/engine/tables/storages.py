@@ -5,7 +5,7 @@ from __future__ import annotations
 from hybond.engine.tables.columns import FLOATS, INTS, ModelTables, put_rows
 from hybond.engine.tables.expressions import number_of
 from hybond.engine.tables.start import start_of
-from hybond.equations.antiderivative import energy_in_waves
+from hybond.equations.antiderivative import known_energy
 from hybond.equations.rounding import rounding
 from hybond.equations.storage import EXACT, gauss, polynomial_degree, stiffness, stored_names
 from hybond.model.expressions import Binary, Expr, Name, Neg, Number, substitute, turning
@@ -54,7 +54,7 @@ def put_storages(t: ModelTables) -> None:
         law = substitute(node.law.expressions[s.port], stored_names(node, g, siblings))
         laws.append(t.values.number(law, f"law of {node.path}"))
         groups.setdefault(s.node, []).append(s.index)
-        whole = energy_in_waves(law, f"x:{s.index}") if len(siblings) == 1 else None
+        whole = known_energy(law, f"x:{s.index}") if len(siblings) == 1 else None
         energies[s.node] = -1 if whole is None else t.values.number(whole)
         kinks.setdefault(s.node, []).extend((t.values.number(e),) for e in turning(law))
         degree, before = polynomial_degree(law), degrees.get(s.node, 0)
