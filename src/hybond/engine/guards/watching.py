@@ -8,7 +8,7 @@ from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, NONE, Locator, fit_
 from hybond.engine.guards.timetable_records import by_time_alone
 from hybond.engine.mode.comparisons.sum_records import begin_sums
 from hybond.engine.mode.comparisons.sums import take_sum
-from hybond.engine.mode.reading import read_guard, read_nothing
+from hybond.engine.mode.reading import note_plain, read_guard, read_nothing
 from hybond.engine.surfaces.followers import is_led
 from hybond.engine.surfaces.law_means import is_meant, rests_on_mean
 from hybond.engine.surfaces.surface import part_mode
@@ -58,6 +58,8 @@ def watch(e: Engine, g: Locator, state: Ints) -> None:
         watch_slide(e, g)
     elif not e.planar.leading:
         watch_kinks(e, g)
+    if s.k == 0:
+        note_plain(m, e.mode, g.reads)
     g.atom_first[g.guards] = g.atoms
     take_turns(e, g)
     begin_sums(g.sums, g.atoms)

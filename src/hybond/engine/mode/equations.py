@@ -200,6 +200,7 @@ def eliminate(e: Engine, mode: Mode) -> None:
     """Do the same for what is given in the mode, with its weights."""
     m = e.model
     switch_on(m, mode)
+    mode.eliminated += 1
     mode.too_high = build(e, mode) > 0
     for k in range(m.priors):
         mode.prior_acts[k] = 1 if is_prior_active(m, mode, k) else 0

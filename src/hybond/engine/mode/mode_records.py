@@ -128,6 +128,9 @@ class Reads:
     stored: Ints
     first_of: Ints
     """Of each row: the bond variable that was the first to be read by it, plus 1; else 0."""
+    plain: bool
+    """Whether no unknown has part in any that is read, of the rows eliminated `plain_of` times."""
+    plain_of: int
 
 
 @record
@@ -185,6 +188,8 @@ class Mode:
     free_rest: Block
     """By what each of these is more than it was rounded to."""
     power_frees: int
+    eliminated: int
+    """How often its rows have been."""
     finite_frees: int
     free_column: Ints
     bent: bool
@@ -369,6 +374,7 @@ def make_reads(m: Model) -> Reads:
     r.storage = ints(m.storages)
     r.stored = ints(m.storages)
     r.first_of = ints(2 * m.bonds)
+    r.plain = False
     return r
 
 

@@ -20,6 +20,7 @@ from hybond.engine.words import Floats
 def read_nothing(m: Model, r: Reads) -> None:
     """Forget what is read."""
     r.many = 0
+    r.plain = False
     for b in range(2 * m.bonds):
         r.chosen[b] = 0
         r.first_of[b] = 0
@@ -54,6 +55,50 @@ def read_guard(m: Model, mode: Mode, r: Reads, rule: int) -> None:
         for j in range(mode.finite_frees):
             if mode.finite_free.at[at + j] != 0.0:
                 read_bond(m, mode, r, mode.free_column[j])
+
+
+def note_plain(m: Model, mode: Mode, r: Reads) -> None:
+    """Note whether all that is read is known without Newton: no unknown has part in it.
+
+    So it is where all laws only say what they give. Where one is solved for what it reads there may
+    be no solution, which is a thing to be told; and what its root is taken of may be put level.
+    """
+    r.plain = mode.dynamics > 0 and m.edge_bonds == 0 and m.level_pairs == 0
+    r.plain_of = mode.eliminated
+    for i in range(mode.dynamics if r.plain else 0):
+        r.plain = r.plain and gives_alone(m, mode, i)
+    for i in range(r.many if r.plain else 0):
+        r.plain = r.plain and not has_part(mode, r.bond[i])
+
+
+def gives_alone(m: Model, mode: Mode, i: int) -> bool:
+    """Whether a row is a law that reads what is known, and gives a variable that is none."""
+    d = mode.dynamic[i]
+    if d < 0 or m.dynamic_partner[d] < 0:
+        return False
+    other = m.dynamic_partner[d]
+    given = other + m.bonds if other < m.bonds else other - m.bonds
+    for p in range(m.law_reads[d], m.law_reads[d + 1]):
+        k = m.law_column[p]
+        if k != given and has_part(mode, k):
+            return False
+    return has_part(mode, given)
+
+
+def has_part(mode: Mode, k: int) -> bool:
+    """Whether an unknown has part in a bond variable."""
+    return mode.finite_frees > 0 and mode.share_first.at[k] < mode.share_first.at[k + 1]
+
+
+def show_plain(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
+    """Put these into `v`, as Newton has them."""
+    put_knowns(e, mode, r, v)
+    w = e.work.w
+    for i in range(r.many):
+        b = r.bond[i]
+        first = r.first_of[mode.same[b]] - 1
+        w[b] = w[first] if first != b else row_times(mode.finite, mode.same[b], e.work.xi) + 0.0
+        v[e.model.bond_slot + b] = w[b]
 
 
 def read_pair(m: Model, mode: Mode, r: Reads, pair: int) -> None:

@@ -83,9 +83,11 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["kink_switch"] = [min(s) if len(s) == 1 else -1 for s in switches.values()]
     roots = {a for e, _ in _followed(t) for a in rooted(e)}
     rests = {simplify(b): a for a in roots for b in (a, Neg(a))}
+    smooth = {a for read, given, _ in flat if given is None for a in (read, simplify(Neg(read)))}
     for read, given, _ in flat:
-        rests.setdefault(read, given)
-        rests.setdefault(simplify(Neg(read)), given)
+        if given is not None:
+            rests.setdefault(read, given)
+            rests.setdefault(simplify(Neg(read)), given)
     at_rest = [rests.get(simplify(a)) for a in found]
     sides = _sides_of_roots(t)
     t.ints["kink_rest"] = [
@@ -97,7 +99,7 @@ def put_kinks(t: ModelTables) -> None:
     t.ints["kink_meets"] = [
         int(
             all(meets(e, simplify(a)) for e in said.get(a, ()))
-            if rest is not None
+            if rest is not None or simplify(a) in smooth
             else simplify(a) in sides and all(joins(e, a) for e in said.get(a, ()))
         )
         for a, rest in zip(found, at_rest, strict=True)
@@ -225,14 +227,16 @@ def _is_led_on(t: ModelTables, a: Expr) -> bool:
     return False
 
 
-def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:
+def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr | None, int]]:
     """Return what laws read that are flat where it is zero, what they give, and the elements.
 
-    A root the other way round: of ``e = k*f*abs(f)`` the flow is the root of the effort. What only
-    decides of the sides of another root is none.
+    A root the other way round: of ``e = k*f*abs(f)`` the flow is the root of the effort; None where
+    that flow is stored, and nobody asks for the root. A law that jumps may hold what is stored.
+    What only decides of the sides of another root is none.
     """
     bonds = len(t.graph.bonds)
-    found: list[tuple[Expr, Expr, int]] = []
+    stored = _stored(t.graph)
+    found: list[tuple[Expr, Expr | None, int]] = []
     if t.numbers["method"] not in FOLLOWED:
         return found
     rows = ("dynamic_value", "dynamic_partner", "dynamic_node")
@@ -244,7 +248,24 @@ def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr, int]]:
         law, read = t.values.all[value], f"{of}:{bond}"
         side = rooted(law) and simplify(differentiate(law, read)) == Number(0.0)
         if read in names(law) and not side and is_flat_at_zero(law, read):
-            found.append((Name(read), Name(f"{given}:{bond}"), node))
+            known = read in stored and meets(law, Name(read))
+            root = None if known else Name(f"{given}:{bond}")
+            found.append((Name(read), root, node))
+    return found
+
+
+def _stored(graph: FlatGraph) -> set[str]:
+    """Return the flows that are those of inertias, and the efforts of capacitances.
+
+    Those of all bonds at a junction with one of them: where it is switched off they are zero.
+    """
+    found: set[str] = set()
+    for storage in graph.storages:
+        of, kind = ("e", "0") if storage.kind == "C" else ("f", "1")
+        bond = graph.bonds[storage.bond]
+        beside = [graph.nodes[k] for k in (bond.tail, bond.head) if graph.nodes[k].kind == kind]
+        found.add(f"{of}:{storage.bond}")
+        found |= {f"{of}:{end.bond}" for node in beside for end in node.ends}
     return found
 
 
