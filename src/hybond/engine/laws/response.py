@@ -77,6 +77,7 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     rates_of_stored(m, a.bonds, 1, 0, r.field)
     for k in range(n):
         a.rate[k] = 0.0
+        r.pushed[k] = 0.0
     if not p.linear:
         if find_gains(e, r, p, v, a.gain) != OK:
             return REFUSED
@@ -99,7 +100,8 @@ def rates_of_linear(
 ) -> None:
     """Put the rate of each `y` of a linear graph there, and the size of its terms.
 
-    To be asked after a solution. `r.field` becomes the rate of what is stored.
+    To be asked after a solution. `r.field` becomes the rate of what is stored, and `r.pushed` what
+    sources have of each rate.
     """
     m = e.model
     p = r.now
@@ -130,6 +132,7 @@ def rates_of_linear(
         # a rate that is rounding must not set the scale of what a law gives or stops
         rate[k] = 0.0 if math.fabs(total + push) <= CANCELS * size else total + push
         terms[k] = size
+        r.pushed[k] = push
 
 
 def find_sizes(e: Engine, p: Ports, a: Response) -> None:
