@@ -5,6 +5,7 @@ matter of what other diodes block, nor of the unit of time. Oracles are closed f
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ import hybond as hb
 PARTS = {"d1": ("s1", "p"), "d2": ("s2", "p"), "d3": ("", "s1"), "d4": ("", "s2")}
 
 
-def made(parts: dict[str, object], bonds: list[str], rng: np.random.Generator) -> hb.Model:
+def made(parts: dict[str, Any], bonds: list[str], rng: np.random.Generator) -> hb.Model:
     names = list(parts)
     rng.shuffle(names)
     rng.shuffle(bonds)
@@ -35,7 +36,7 @@ def test_a_bridge_commutates_beside_diodes_that_block(blocks: str, solver: str) 
         l = amplitude / w / i * float(10 ** rng.uniform(-1, 1))
         end = 20 * math.pi / w
         turned = order % 2 == 1
-        parts: dict[str, object] = {name: hb.One(law="diode") for name in PARTS}
+        parts: dict[str, Any] = {name: hb.One(law="diode") for name in PARTS}
         parts |= {name: hb.Zero() for name in ("s1", "s2", "p", "x")}
         parts |= {name: hb.One() for name in ("loop", "choke", "switch")}
         parts |= {"V": hb.Se(f"{amplitude!r}*sin({w!r}*time + {phase!r})")}
@@ -43,7 +44,11 @@ def test_a_bridge_commutates_beside_diodes_that_block(blocks: str, solver: str) 
         bonds = ["s1 -> loop", "loop -> s2", "loop -> V", "p -> choke", "choke -> x", "x -> switch"]
         bonds.append("L -> choke" if turned else "choke -> L")
         for k, at in enumerate(blocks):
-            parts |= {f"b{k}": hb.One(law="diode"), f"o{k}": hb.Zero(), f"U{k}": hb.Se(2 * amplitude)}
+            parts |= {
+                f"b{k}": hb.One(law="diode"),
+                f"o{k}": hb.Zero(),
+                f"U{k}": hb.Se(2 * amplitude),
+            }
             bonds += [f"{at} -> b{k}", f"b{k} -> o{k}", f"U{k} -> o{k}"]
         for name, (start, stop) in PARTS.items():
             bonds += [f"{start} -> {name}"] if start else []
@@ -66,7 +71,7 @@ def test_a_six_pulse_bridge_commutates_however_slow_its_source_is(load: str, w: 
         amplitude, i = (float(v) for v in 10 ** rng.uniform(-3, 3, 2))
         phase, end = float(rng.uniform(0, 6)), 4 * math.pi / w
         l = amplitude / w / i * float(10 ** rng.uniform(-1, 1))
-        parts: dict[str, object] = {name: hb.Zero() for name in ("p", "n", "star")}
+        parts: dict[str, Any] = {name: hb.Zero() for name in ("p", "n", "star")}
         parts |= {"dc": hb.One(), "L": hb.I(l, f=i) if load == "choke" else hb.Sf(i)}
         bonds = ["p -> dc", "dc -> L", "dc -> n"]
         shift = {k: phase - 2 * math.pi / 3 * n for n, k in enumerate("abc")}
@@ -79,7 +84,7 @@ def test_a_six_pulse_bridge_commutates_however_slow_its_source_is(load: str, w: 
         run = hb.simulate(made(parts, bonds, rng), until=end)
         t = np.sort(rng.uniform(0, end, 60))
         phases = np.array([amplitude * np.sin(w * t + shift[k]) for k in "abc"])
-        dc = run["p.e"].at(t) - run["n.e"].at(t)
+        dc = run["p.e"].at(list(t)) - run["n.e"].at(list(t))
         assert np.max(np.abs(dc - np.ptp(phases, axis=0))) < 1e-5 * amplitude
         if load == "choke":
             want = i + 3 * math.sqrt(3) * amplitude / math.pi * end / l
