@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import hybond as hb
 
@@ -89,3 +90,32 @@ def test_a_six_pulse_bridge_commutates_however_slow_its_source_is(load: str, w: 
         if load == "choke":
             want = i + 3 * math.sqrt(3) * amplitude / math.pi * end / l
             assert run["dc.f"].at(end) == pytest.approx(want, rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_a_bridge_into_a_resistor_that_bends_commutates_beside_a_diode(solver: str) -> None:
+    for order in (3, 5, 11, 29):
+        rng = np.random.default_rng(order)
+        amplitude, w = (float(v) for v in 10 ** rng.uniform(-3, 3, 2))
+        phase, i = float(rng.uniform(0, 6)), float(10 ** rng.uniform(-3, 3))
+        l, bend = amplitude / w / i, 0.3 * amplitude / i**2
+        end = 4 * math.pi / w
+        parts: dict[str, Any] = {name: hb.One(law="diode") for name in (*PARTS, "b")}
+        parts |= {name: hb.Zero() for name in ("s1", "s2", "p", "o")}
+        parts |= {"loop": hb.One(), "choke": hb.One(), "L": hb.I(l, f=i)}
+        parts |= {"V": hb.Se(f"{amplitude!r}*sin({w!r}*time + {phase!r})")}
+        parts |= {"U": hb.Se(2 * amplitude), "R": hb.R({"e": f"{bend!r}*f*abs(f)"})}
+        bonds = ["s1 -> loop", "loop -> s2", "loop -> V", "p -> choke", "choke -> L"]
+        bonds += ["choke -> R", "p -> b", "b -> o", "U -> o"]
+        for name, (start, stop) in PARTS.items():
+            bonds += [f"{start} -> {name}"] if start else []
+            bonds.append(f"{name} -> {stop}")
+        run = hb.simulate(made(parts, bonds, rng), until=end, solver=solver)
+
+        def rate(s: float, y: Any, phase: float = phase) -> Any:
+            # in units of amplitude, i and 1/w: y' = |u| - 0.3 y |y|
+            return abs(np.sin(s + phase)) - 0.3 * y * np.abs(y)
+
+        known = solve_ivp(rate, (0, 4 * np.pi), [1.0], rtol=1e-10, atol=1e-12, max_step=0.01)
+        assert run["choke.f"].at(end) / i == pytest.approx(known.y[0, -1], rel=1e-5)
+        assert run.audit().holds()

@@ -125,7 +125,7 @@ class Laws:
     rate_after: Floats
     rate_terms: Floats
     pushed: Floats
-    """What sources have of each rate of `y`, in a linear graph."""
+    """What sources have of each rate of `y`."""
     atom: Floats
     looks_ahead: bool
     """Whether what stands must stand a moment later, too."""

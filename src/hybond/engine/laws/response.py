@@ -28,6 +28,7 @@ from hybond.engine.laws.ports import (
     times_partner,
 )
 from hybond.engine.laws.ports_together import are_told_apart, next_together
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import Mode
@@ -435,6 +436,23 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     if solve_with(e, p, r.later, r.l) != OK:
         return REFUSED
     times_partner(m, p, e.work.w, r.row)
+    within = False
+    room = room_of_instant(e, r.t)
     for k in range(m.ports):
         a.rate[k] = (r.row[k] - a.y[k]) / step
+        within = within or (a.y[k] != 0.0 and math.fabs(a.y[k]) <= room * math.fabs(a.rate[k]))
+    return pushed_of(e, r, x, step) if within else OK
+
+
+def pushed_of(e: Engine, r: Laws, x: Floats, step: float) -> int:
+    """Find what sources have of that rate: what is stored does not move."""
+    m = e.model
+    p = r.now
+    set_values(e, open_mode(e, p), r.later, r.t + step, x, r.s)
+    copy_part(m.slots, e.pre, 0, r.later, m.slots)
+    if solve_with(e, p, r.later, r.l) != OK:
+        return REFUSED
+    times_partner(m, p, e.work.w, r.row)
+    for k in range(m.ports):
+        r.pushed[k] = (r.row[k] - r.response.y[k]) / step
     return OK
