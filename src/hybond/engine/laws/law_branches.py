@@ -34,6 +34,7 @@ from hybond.engine.complementarity.law_roles import (
 )
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.laws.law_answers import (
+    is_effort,
     loosen,
     put_mode,
     slide,
@@ -50,7 +51,7 @@ from hybond.engine.laws.law_instant import (
 )
 from hybond.engine.laws.law_parallel import find_shares, keep_left
 from hybond.engine.laws.law_rates import take_later_rates
-from hybond.engine.laws.law_records import Laws, Response
+from hybond.engine.laws.law_records import Laws
 from hybond.engine.laws.response import respond
 from hybond.engine.mode.rows.tableau import COMMON, NET
 from hybond.engine.model import Model
@@ -79,17 +80,22 @@ ADRIFT: Final = 1e-6
 """Share of a unit of freedom from which a junction has part in it."""
 
 
-def short_step(m: Model, a: Response, y: Floats) -> float:
+def short_step(m: Model, r: Laws, y: Floats) -> float:
     """Return a step so short that finite values outweigh rates, and feedthrough storage."""
+    a = r.response
     first = math.inf
     for k in range(m.ports):
         if y[k] != 0.0 and math.fabs(a.rate[k]) > 0.0:
             first = min(first, math.fabs(y[k]) / math.fabs(a.rate[k]))
-    return min(SHORT_STEP * least_time(m, a), 1e-3 * first)
+    return min(SHORT_STEP * least_time(m, r, y), 1e-3 * first)
 
 
-def least_time(m: Model, a: Response) -> float:
-    """Return the shortest time that feedthrough and storage make; any will do where none does."""
+def least_time(m: Model, r: Laws, y: Floats) -> float:
+    """Return the shortest time that feedthrough and storage make, or what is known where none do.
+
+    Any will do where nothing is known of it.
+    """
+    a = r.response
     n = m.ports
     least = math.inf
     for k in range(n):
@@ -97,7 +103,37 @@ def least_time(m: Model, a: Response) -> float:
         stored = math.fabs(a.ce[k * n + k])
         if through > 0.0 and stored > 0.0:
             least = min(least, through / stored)
+    if not least < math.inf:
+        least = time_of_known(m, r, y)
     return least if least < math.inf else 1.0
+
+
+def time_of_known(m: Model, r: Laws, y: Floats) -> float:
+    """Return the shortest time in which efforts or flows that are known change by what they are.
+
+    Domain by domain: sources that change over days are followed over days.
+    """
+    a = r.response
+    n = m.ports
+    least = math.inf
+    for k in range(n):
+        size = 0.0
+        other = 0.0
+        fastest = 0.0
+        for j in range(n):
+            if m.port_domain[j] != m.port_domain[k]:
+                continue
+            if is_effort(m, r, j) == is_effort(m, r, k):
+                size = max(size, math.fabs(y[j]))
+                fastest = max(fastest, math.fabs(a.rate[j]))
+            else:
+                other = max(other, math.fabs(y[j]))
+        stored = math.fabs(a.ce[k * n + k])
+        if size > 0.0 and fastest > 0.0:
+            least = min(least, size / fastest)
+        if size > 0.0 and other > 0.0 and stored > 0.0:
+            least = min(least, size / other / stored)
+    return least
 
 
 def begin_lasting(e: Engine, r: Laws, x: Floats) -> int:
@@ -205,8 +241,8 @@ def next_lasting(e: Engine, r: Laws, ways: int) -> bool:
             if r.role[k] == ONE_SIDED and r.y[k] > 0.0 and is_stored(m, r, k):
                 r.apart[k] = 1
                 r.role[k] = CUT
-        seen = RESOLVED * least_time(m, a)
-        short = short_step(m, a, r.y)
+        seen = RESOLVED * least_time(m, r, r.y)
+        short = short_step(m, r, r.y)
         h = TRY_FACTOR[r.attempt] * short
         if r.attempt >= AS_IT_IS and short < seen:
             h = seen

@@ -17,7 +17,7 @@ from hybond.engine.laws.law_records import Laws, Ports
 from hybond.engine.laws.ports import open_mode, partner_row, ports_of
 from hybond.engine.method_numbers import MOREAU
 from hybond.engine.methods.explicit.dopri import spacing
-from hybond.engine.methods.explicit.one_instant import LEAST
+from hybond.engine.methods.explicit.one_instant import LEAST, room_of_instant
 from hybond.engine.mode.digits.part_energies import (
     STORED,
     find_energies_at,
@@ -226,10 +226,15 @@ def add_moved_within(e: Engine, r: Laws) -> None:
     """Add what friction that slides moves of each `y` in the last places of the time.
 
     No instant says more of it. What is stored counts for more than that, unless all of it settles
-    within a moment.
+    within a moment. What sources move where laws act at once, as the voltage at a bridge that
+    crosses zero, is known to no more than the instant lasts.
     """
     m = e.model
     n = m.ports
+    room = room_of_instant(e, r.t) / LAW_ZERO
+    for k in range(n):
+        if not is_stored(m, r, k):
+            r.rounding[k] += math.fabs(r.pushed[k]) * room
     for j in range(n):
         most = slides_within(e, r, j) / LAW_ZERO
         for k in range(n if most > 0.0 else 0):

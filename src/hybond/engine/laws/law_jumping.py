@@ -93,7 +93,6 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
     """
     m = e.model
     n = m.ports
-    a = r.response
     if make_consistent(e, r, x) != OK:
         return -1
     if respond(e, r, r.v, r.x, False) != OK:
@@ -160,7 +159,7 @@ def find_jumping(e: Engine, r: Laws, x: Floats) -> int:
         keep_answered(e, r, x)
         return 0
     find_start(m, r)
-    h = short_step(m, a, r.y)
+    h = short_step(m, r, r.y)
     r.proved = True
     turn = 0
     while turn < 4:

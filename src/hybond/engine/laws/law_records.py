@@ -124,6 +124,8 @@ class Laws:
     later_s: Floats
     rate_after: Floats
     rate_terms: Floats
+    pushed: Floats
+    """What sources have of each rate of `y`."""
     atom: Floats
     looks_ahead: bool
     """Whether what stands must stand a moment later, too."""
@@ -334,6 +336,7 @@ def make_laws(m: Model) -> Laws:
     r.later = floats(2 * m.slots)
     r.later_s = floats(m.integrals)
     r.rate_after = floats(n)
+    r.pushed = floats(n)
     r.rate_terms = floats(n)
     r.atom = floats(m.atom_first[m.rule_first[m.machines]])
     r.row = floats(m.storages + 2 * m.most_sources + n)

@@ -28,6 +28,7 @@ from hybond.engine.laws.ports import (
     times_partner,
 )
 from hybond.engine.laws.ports_together import are_told_apart, next_together
+from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.mode.digits.reach import reach_of
 from hybond.engine.mode.digits.sizes import size_of
 from hybond.engine.mode.mode_records import Mode
@@ -77,6 +78,7 @@ def respond(e: Engine, r: Laws, v: Floats, x: Floats, timed: bool) -> int:
     rates_of_stored(m, a.bonds, 1, 0, r.field)
     for k in range(n):
         a.rate[k] = 0.0
+        r.pushed[k] = 0.0
     if not p.linear:
         if find_gains(e, r, p, v, a.gain) != OK:
             return REFUSED
@@ -99,7 +101,8 @@ def rates_of_linear(
 ) -> None:
     """Put the rate of each `y` of a linear graph there, and the size of its terms.
 
-    To be asked after a solution. `r.field` becomes the rate of what is stored.
+    To be asked after a solution. `r.field` becomes the rate of what is stored, and `r.pushed` what
+    sources have of each rate.
     """
     m = e.model
     p = r.now
@@ -130,6 +133,7 @@ def rates_of_linear(
         # a rate that is rounding must not set the scale of what a law gives or stops
         rate[k] = 0.0 if math.fabs(total + push) <= CANCELS * size else total + push
         terms[k] = size
+        r.pushed[k] = push
 
 
 def find_sizes(e: Engine, p: Ports, a: Response) -> None:
@@ -432,6 +436,23 @@ def ahead_of(e: Engine, r: Laws, v: Floats, x: Floats) -> int:
     if solve_with(e, p, r.later, r.l) != OK:
         return REFUSED
     times_partner(m, p, e.work.w, r.row)
+    within = False
+    room = room_of_instant(e, r.t)
     for k in range(m.ports):
         a.rate[k] = (r.row[k] - a.y[k]) / step
+        within = within or (a.y[k] != 0.0 and math.fabs(a.y[k]) <= room * math.fabs(a.rate[k]))
+    return pushed_of(e, r, x, step) if within else OK
+
+
+def pushed_of(e: Engine, r: Laws, x: Floats, step: float) -> int:
+    """Find what sources have of that rate: what is stored does not move."""
+    m = e.model
+    p = r.now
+    set_values(e, open_mode(e, p), r.later, r.t + step, x, r.s)
+    copy_part(m.slots, e.pre, 0, r.later, m.slots)
+    if solve_with(e, p, r.later, r.l) != OK:
+        return REFUSED
+    times_partner(m, p, e.work.w, r.row)
+    for k in range(m.ports):
+        r.pushed[k] = (r.row[k] - r.response.y[k]) / step
     return OK
