@@ -75,6 +75,13 @@ class Board:
                 self.bonds_of[one].append(b)
                 if other not in self.near[one]:
                     self.near[one].append(other)
+        self._inner = [len(self.near[a]) > 1 and len(self.near[b]) > 1 for a, b in bonds]
+        self._choosy = {  # nodes that may cost something where they are
+            n
+            for n, kind in enumerate(kinds)
+            if (len(self.near[n]) == 1 and kind in _SIDES)
+            or (len(self.near[n]) == 2 and kind in ("TF", "GY"))
+        }
         self.turns = [STRAIGHT_AWAY] * len(bonds)
         self._over: dict[Cell, set[int]] = {}  # bonds by the cells of their bounding box
         self._box: list[list[Cell]] = [[] for _ in bonds]  # these cells; none if not placed
@@ -139,7 +146,7 @@ class Board:
                 if b not in bonds and self._covers(b, cell):
                     total += ON_BOND
         touched = changed.union(*(self.near[n] for n in changed))
-        return total + sum(self._node_cost(n) for n in touched)
+        return total + sum(self._node_cost(n) for n in touched if n in self._choosy)
 
     def defects(self) -> int:
         """Return how many bonds run askew, cross another or pass over a node."""
@@ -155,11 +162,12 @@ class Board:
             count += sum(cell in self.who and self._covers(b, cell) for cell in self._box[b])
         return count
 
-    def least(self, moves: Mapping[int, Cell]) -> int:
-        """Return a quick lower bound of what `cost` would be after these moves.
+    def least(self, moves: Mapping[int, Cell], most: float = math.inf) -> int:
+        """Return a lower bound of what `cost` would be after these moves, found without them.
 
-        It counts lengths and directions, and bonds that nodes would stand on; most moves are
-        refused for these already.
+        It counts lengths and directions, bonds that nodes would stand on, and sides of one-ports;
+        most moves are refused for these already. Of a bound above `most` only as much is counted
+        as it takes to know that.
         """
         total = 0
         bonds = {b for n in moves for b in self.bonds_of[n]}
@@ -168,10 +176,24 @@ class Board:
             start, end = moves.get(tail) or self.at[tail], moves.get(head) or self.at[head]
             if start is not None and end is not None:
                 total += _length(start, end)
+        if total > most:
+            return total
         for cell in moves.values():
             for b in self._over.get(cell, ()):
                 if b not in bonds and self._covers(b, cell):
                     total += ON_BOND
+        return total if total > most else total + self._node_costs_after(moves)
+
+    def _node_costs_after(self, moves: Mapping[int, Cell]) -> int:
+        """Return what nodes and their neighbours would cost, where no bond bends."""
+        at = self.at
+        old = [(n, at[n]) for n in moves]
+        touched = {m for n in moves for m in (n, *self.near[n]) if m in self._choosy}
+        for n, cell in moves.items():
+            at[n] = cell
+        total = sum(Board._node_cost(self, n) for n in touched)
+        for n, before in old:
+            at[n] = before
         return total
 
     def _covers(self, bond: int, cell: Cell) -> bool:
@@ -194,8 +216,7 @@ class Board:
         (ax, ay), (bx, by) = ends
         dx, dy = bx - ax, by - ay
         total = _length(*ends)
-        tail, head = self.bonds[bond]
-        if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
+        if self._inner[bond]:
             total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
         others: set[int] = set()
         for cell in self._box[bond]:

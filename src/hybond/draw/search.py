@@ -158,7 +158,7 @@ class Search:
             return 0
         board = self.board
         before = self._cost(moves)
-        if board.least(moves) > before + threshold:
+        if board.least(moves, before + threshold) > before + threshold:
             return 0
         old = {n: c for n in moves if (c := board.at[n]) is not None}
         bonds = sorted({b for n in moves for b in board.bonds_of[n]})

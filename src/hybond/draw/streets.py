@@ -124,6 +124,8 @@ class Streets(Board):
             if ends is None or ends[0][0] == ends[1][0] or ends[0][1] == ends[1][1]:
                 continue
             here = self.turns[b]
+            if here != STRAIGHT_AWAY and not self._met(b, self._ways[b], _NONE):
+                continue
             ways = (LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY)[: 3 if _next_door(*ends) else 2]
             costs = []
             for way in ways:
@@ -157,16 +159,81 @@ class Streets(Board):
                     for b in passes.get(number, ()):
                         if b not in bonds:
                             total += ON_NODE
-        return total + sum(self._node_cost(n) for n in touched)
+        return total + sum(self._node_cost(n) for n in touched if n in self._choosy)
 
-    def least(self, moves: Mapping[int, Cell]) -> int:
-        """Return a quick lower bound of what `cost` would be after these moves."""
-        total = 0
-        for b in {b for n in moves for b in self.bonds_of[n]}:
+    def least(self, moves: Mapping[int, Cell], most: float = math.inf) -> int:
+        """Return a lower bound of what `cost` would be after these moves, found without them.
+
+        Each bond takes the turn that is best for it alone, and those that move do not meet each
+        other. Of a bound above `most` only as much is counted as it takes to know that.
+        """
+        at, total = self.at, 0
+        bonds = {b for n in moves for b in self.bonds_of[n]}
+        ways: list[tuple[Cell, Cell]] = []
+        for b in bonds:
             tail, head = self.bonds[b]
-            start, end = moves.get(tail) or self.at[tail], moves.get(head) or self.at[head]
-            if start is not None and end is not None:
-                total += _length(start, end, LEVEL_FIRST)
+            start, end = moves.get(tail) or at[tail], moves.get(head) or at[head]
+            if start is None or end is None:
+                continue
+            dx, dy = end[0] - start[0], end[1] - start[1]
+            long = UNIT + LONGER * (abs(dx) + abs(dy) - 1) + (BEND if dx and dy else 0)
+            if self._inner[b]:
+                long += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
+            total += long
+            ways.append((start, end))
+        if total > most:
+            return total
+        old = {(c[0] << _ROW) + c[1] for n in moves if (c := at[n]) is not None}
+        new = {(x << _ROW) + y for x, y in moves.values()}
+        for number in new:
+            for passes in (self._level, self._upright):
+                for b in passes.get(number, ()):
+                    if b not in bonds:
+                        total += ON_NODE
+        total += self._node_costs_after(moves)
+        if total > most:
+            return total
+        taken = (self._taken - old) | new
+        for start, end in ways:
+            if start[0] == end[0] or start[1] == end[1]:
+                total += self._least_met(start, end, LEVEL_FIRST, bonds, taken)
+            else:
+                met = self._least_met(start, end, LEVEL_FIRST, bonds, taken)
+                if met:
+                    met = min(met, self._least_met(start, end, UPRIGHT_FIRST, bonds, taken))
+                more = ASKEW - BEND
+                if met > more and _next_door(start, end):
+                    more += self._least_met(start, end, STRAIGHT_AWAY, bonds, taken)
+                    met = min(met, more)
+                total += met
+            if total > most:
+                break
+        return total
+
+    def _least_met(
+        self, start: Cell, end: Cell, turn: int, changed: set[int], taken: set[int]
+    ) -> int:
+        """Return what it costs that a bond on this way meets nodes, and bonds not `changed`."""
+        total = 0
+        first = (start[0] << _ROW) + start[1]
+        level, upright, steps = _from_origin(end[0] - start[0], end[1] - start[1], turn)
+        for offsets, across in ((level, self._upright), (upright, self._level)):
+            for offset in offsets:
+                number = first + offset
+                if number in taken:
+                    total += ON_NODE
+                for other in across.get(number, ()):
+                    if other not in changed:
+                        total += CROSS
+        first <<= 2
+        shared = self._shared
+        for offset in steps:
+            step = first + offset
+            for other in shared.get(step, ()):
+                if other not in changed:
+                    total += SAME_WAY
+            if step & 2:
+                total += CROSS * sum(o not in changed for o in shared.get(step ^ 1, ()))
         return total
 
     def defects(self) -> int:
@@ -188,8 +255,7 @@ class Streets(Board):
             return 0
         (ax, ay), (bx, by) = ends
         total = _length(*ends, self.turns[bond])
-        tail, head = self.bonds[bond]
-        if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
+        if self._inner[bond]:
             dx, dy = bx - ax, by - ay
             total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
         return total + self._met(bond, self._ways[bond], changed)
