@@ -65,12 +65,17 @@ class Streets(Board):
         self._upright: dict[int, list[int]] = {}  # the same for upright ones; corners are both
         self._shared: dict[int, list[int]] = {}  # bonds by their steps
         self._ways: list[tuple[list[int], list[int], list[int]]] = [([], [], []) for _ in bonds]
+        self._long = [0] * len(bonds)  # what they cost by themselves
+        self._clear: set[int] = set()  # those that are known to meet nothing
 
     def put(self, node: int, cell: Cell) -> None:
         """Place a node on a free cell."""
         self.at[node] = cell
         self.who[cell] = node
-        self._taken.add((cell[0] << _ROW) + cell[1])
+        number = (cell[0] << _ROW) + cell[1]
+        self._taken.add(number)
+        for passes in (self._level, self._upright):
+            self._clear.difference_update(passes.get(number, ()))
         for b in self.bonds_of[node]:
             tail, head = self.bonds[b]
             start, end = self.at[tail], self.at[head]
@@ -94,20 +99,38 @@ class Streets(Board):
         self._ends[b] = (start, end)
         if self.turns[b] == STRAIGHT_AWAY and not _next_door(start, end):
             self.turns[b] = LEVEL_FIRST
-        way = self._ways[b] = _way(start, end, self.turns[b])
-        for known, numbers in zip((self._level, self._upright, self._shared), way, strict=True):
+        self._long[b] = self._alone(b, start, end, self.turns[b])
+        clear = self._clear
+        clear.discard(b)
+        level, upright, steps = self._ways[b] = _way(start, end, self.turns[b])
+        for known, numbers in (
+            (self._level, level),
+            (self._upright, upright),
+            (self._shared, steps),
+        ):
             for number in numbers:
                 if number in known:
                     known[number].append(b)
                 else:
                     known[number] = [b]
+        for met, numbers in (
+            (self._upright, level),
+            (self._level, upright),
+            (self._shared, steps),
+        ):
+            for number in numbers:
+                if number in met:
+                    clear.difference_update(met[number])
+        if self.turns[b] == STRAIGHT_AWAY:
+            for step in steps:
+                clear.difference_update(self._shared.get(step ^ 1, ()))
 
     def _lift(self, b: int) -> None:
         way = self._ways[b]
         for known, numbers in zip((self._level, self._upright, self._shared), way, strict=True):
             for number in numbers:
                 known[number].remove(b)
-        self._ways[b], self._ends[b] = ([], [], []), None
+        self._ways[b], self._ends[b], self._long[b] = ([], [], []), None, 0
 
     def turn(self, bond: int, way: int) -> None:
         """Give a bond another turn."""
@@ -146,7 +169,7 @@ class Streets(Board):
         bonds = {b for n in changed for b in self.bonds_of[n]}
         total = 0
         for b in bonds:
-            total += self._bond_cost(b, bonds)
+            total += self._long[b] if b in self._clear else self._bond_cost(b, bonds)
             if total > most:
                 return total
         touched = set(changed)
@@ -250,15 +273,20 @@ class Streets(Board):
         return ends is not None and ends[0][0] != ends[1][0] and ends[0][1] != ends[1][1]
 
     def _bond_cost(self, bond: int, changed: set[int] | frozenset[int]) -> int:
-        ends = self._ends[bond]
-        if ends is None:
-            return 0
-        (ax, ay), (bx, by) = ends
-        total = _length(*ends, self.turns[bond])
+        if bond in self._clear or self._ends[bond] is None:
+            return self._long[bond]
+        met = self._met(bond, self._ways[bond], changed)
+        if not met and not self._met(bond, self._ways[bond], _NONE):
+            self._clear.add(bond)
+        return self._long[bond] + met
+
+    def _alone(self, bond: int, start: Cell, end: Cell, turn: int) -> int:
+        """Return what a bond costs by its length, bend and direction."""
+        total = _length(start, end, turn)
         if self._inner[bond]:
-            dx, dy = bx - ax, by - ay
+            dx, dy = end[0] - start[0], end[1] - start[1]
             total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
-        return total + self._met(bond, self._ways[bond], changed)
+        return total
 
     def _met(
         self,
