@@ -85,26 +85,34 @@ def start_board(
 def _best_cell(board: Board, node: int) -> Cell:
     """Return the free cell near the node's placed neighbours that costs least."""
     anchors = [c for m in board.near[node] if (c := board.at[m]) is not None] or [(0, 0)]
-    best: tuple[int, int, Cell] | None = None
+    inner = len(board.near[node]) > 1
     for reach in (2, 4, 8, 16, 64):
-        for ax, ay in anchors:
-            for dx in range(-reach, reach + 1):
-                for dy in range(-reach, reach + 1):
-                    cell = (ax + dx, ay + dy)
-                    if cell in board.who:
-                        continue
-                    board.put(node, cell)
-                    # Room around a branch is worth more than a short bond to it.
-                    crowd = sum(
-                        (cell[0] + i, cell[1] + j) in board.who
-                        for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))
-                    )
-                    cost = board.cost([node]) + (6 * crowd if len(board.near[node]) > 1 else 0)
-                    board.take(node)
-                    if best is None or (cost, abs(dx) + abs(dy)) < best[:2]:
-                        best = (cost, abs(dx) + abs(dy), cell)
+        span = range(-reach, reach + 1)
+        ways = [(dx, dy) for dx in span for dy in span]
+        # the nearest first: most of the others are then known to cost more without being tried
+        near = sorted(range(len(ways)), key=lambda k: abs(ways[k][0]) + abs(ways[k][1]))
+        best: tuple[int, int, int] | None = None
+        found = anchors[0]
+        for place, (ax, ay) in enumerate(anchors):
+            for k in near:
+                dx, dy = ways[k]
+                cell = (ax + dx, ay + dy)
+                if cell in board.who:
+                    continue
+                # Room around a branch is worth more than a short bond to it.
+                x, y = cell
+                around = ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)) if inner else ()
+                crowd = 6 * sum(c in board.who for c in around)
+                if best is not None and board.least({node: cell}, best[0] - crowd) + crowd > best[0]:
+                    continue
+                board.put(node, cell)
+                cost = board.cost([node]) + crowd
+                board.take(node)
+                rank = (cost, abs(dx) + abs(dy), place * len(ways) + k)
+                if best is None or rank < best:
+                    best, found = rank, cell
         if best is not None:
-            return best[2]
+            return found
     return nearest(anchors[0], set(board.who))
 
 

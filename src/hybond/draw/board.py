@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 
 from hybond.model.kinds import SOURCES
 
@@ -83,7 +84,7 @@ class Board:
             or (len(self.near[n]) == 2 and kind in ("TF", "GY"))
         }
         self.turns = [STRAIGHT_AWAY] * len(bonds)
-        self._over: dict[Cell, set[int]] = {}  # bonds by the cells of their bounding box
+        self._over: dict[Cell, set[int]] = {}  # bonds by the cells along them
         self._box: list[list[Cell]] = [[] for _ in bonds]  # these cells; none if not placed
         self._ends: list[tuple[Cell, Cell] | None] = [None] * len(bonds)
 
@@ -223,6 +224,7 @@ class Board:
             if cell in self.who and self._covers(bond, cell):
                 total += ON_BOND
             others.update(self._over.get(cell, ()))
+        others.discard(bond)
         for other in others:
             # A pair of changed bonds is counted once.
             if (other not in changed or bond < other) and self._cross(bond, other):
@@ -277,10 +279,17 @@ def _length(a: Cell, b: Cell) -> int:
 
 
 def _box(a: Cell, b: Cell) -> list[Cell]:
-    (ax, ay), (bx, by) = a, b
-    if ax > bx:
-        ax, bx = bx, ax
-    if ay > by:
-        ay, by = by, ay
-    rows = range(ay, by + 1)
-    return [(x, y) for x in range(ax, bx + 1) for y in rows]
+    """Return the cells along a bond."""
+    x, y = a
+    return [(x + dx, y + dy) for dx, dy in _along(b[0] - x, b[1] - y)]
+
+
+@lru_cache(maxsize=8192)
+def _along(dx: int, dy: int) -> tuple[Cell, ...]:
+    """Return the cells along a line from the origin.
+
+    They are so near that the place where two lines cross is in a cell of both.
+    """
+    xs, ys = range(min(dx, 0), max(dx, 0) + 1), range(min(dy, 0), max(dy, 0) + 1)
+    near = 51 * (dx * dx + dy * dy)
+    return tuple((x, y) for x in xs for y in ys if 100 * (x * dy - y * dx) ** 2 <= near)
