@@ -55,8 +55,12 @@ def start_board(
     bonds: Sequence[tuple[int, int]],
     fixed: Mapping[int, Cell],
     row: Mapping[int, Cell],
-) -> Board:
-    """Place pinned nodes and `row`, then every other node next to a placed neighbour."""
+    most: float = math.inf,
+) -> Board | None:
+    """Place pinned nodes and `row`, then every other node next to a placed neighbour.
+
+    None if that costs more than `most`, which is seen on the way.
+    """
     board = Board(kinds, bonds)
     for node, cell in {**fixed, **row}.items():
         board.put(node, cell)
@@ -75,6 +79,9 @@ def start_board(
                 break
             for node in ready:
                 board.put(node, _best_cell(board, node))
+                often = most < math.inf and len(board.who) % 16 == 0
+                if often and board.cost(range(len(kinds))) > most:
+                    return None
             pending = [n for n in pending if board.at[n] is None]
     for node in range(len(kinds)):
         if board.at[node] is None:  # a part of the skeleton that only one-ports lead to
@@ -103,10 +110,11 @@ def _best_cell(board: Board, node: int) -> Cell:
                 x, y = cell
                 around = ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)) if inner else ()
                 crowd = 6 * sum(c in board.who for c in around)
-                if best is not None and board.least({node: cell}, best[0] - crowd) + crowd > best[0]:
+                most = math.inf if best is None else best[0] - crowd
+                if board.least({node: cell}, most) > most:
                     continue
                 board.put(node, cell)
-                cost = board.cost([node]) + crowd
+                cost = board.cost([node], most=most) + crowd
                 board.take(node)
                 rank = (cost, abs(dx) + abs(dy), place * len(ways) + k)
                 if best is None or rank < best:

@@ -136,7 +136,7 @@ class Board:
         bonds = {b for n in changed for b in self.bonds_of[n]}
         total = 0
         for b in bonds:
-            total += self._bond_cost(b, bonds)
+            total += self._bond_cost(b, bonds, most - total)
             if total > most:
                 return total
         for n in changed:
@@ -166,24 +166,54 @@ class Board:
     def least(self, moves: Mapping[int, Cell], most: float = math.inf) -> int:
         """Return a lower bound of what `cost` would be after these moves, found without them.
 
-        It counts lengths and directions, bonds that nodes would stand on, and sides of one-ports;
-        most moves are refused for these already. Of a bound above `most` only as much is counted
-        as it takes to know that.
+        Bonds that move do not meet each other in it, nor nodes that move. Of a bound above `most`
+        only as much is counted as it takes to know that.
         """
         total = 0
+        ways: list[tuple[int, Cell, Cell]] = []
         bonds = {b for n in moves for b in self.bonds_of[n]}
         for b in bonds:
             tail, head = self.bonds[b]
             start, end = moves.get(tail) or self.at[tail], moves.get(head) or self.at[head]
-            if start is not None and end is not None:
-                total += _length(start, end)
+            if start is None or end is None:
+                continue
+            total += _length(start, end)
+            if self._inner[b]:
+                dx, dy = end[0] - start[0], end[1] - start[1]
+                total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
+            ways.append((b, start, end))
         if total > most:
             return total
         for cell in moves.values():
             for b in self._over.get(cell, ()):
                 if b not in bonds and self._covers(b, cell):
                     total += ON_BOND
-        return total if total > most else total + self._node_costs_after(moves)
+        total += self._node_costs_after(moves)
+        for b, start, end in ways:
+            if total > most:
+                break
+            total += self._least_met(b, start, end, bonds, moves)
+        return total
+
+    def _least_met(
+        self, bond: int, start: Cell, end: Cell, changed: set[int], moves: Mapping[int, Cell]
+    ) -> int:
+        """Return what it costs that a bond meets nodes that stay and bonds not `changed`."""
+        total = 0
+        others: set[int] = set()
+        for cell in _box(start, end):
+            node = self.who.get(cell)
+            if node is not None and node not in moves and _near((start, end), cell):
+                total += ON_BOND
+            others.update(self._over.get(cell, ()))
+        tail, head = self.bonds[bond]
+        for other in others - changed:
+            ends, pair = self._ends[other], self.bonds[other]
+            if tail in pair or head in pair or ends is None:
+                continue
+            if _crossing((start, end), ends):
+                total += CROSSING
+        return total
 
     def _node_costs_after(self, moves: Mapping[int, Cell]) -> int:
         """Return what nodes and their neighbours would cost, where no bond bends."""
@@ -200,17 +230,9 @@ class Board:
     def _covers(self, bond: int, cell: Cell) -> bool:
         """Whether a bond passes through or close by a cell that is not one of its ends."""
         ends = self._ends[bond]
-        if ends is None or cell in ends:
-            return False
-        (ax, ay), (bx, by) = ends
-        dx, dy = bx - ax, by - ay
-        px, py = cell[0] - ax, cell[1] - ay
-        if not 0 <= px * dx + py * dy <= dx * dx + dy * dy:
-            return False
-        # Nearer than 0.45 of a cell: the letters would touch the line.
-        return 100 * (px * dy - py * dx) ** 2 < 21 * (dx * dx + dy * dy)
+        return ends is not None and _near(ends, cell)
 
-    def _bond_cost(self, bond: int, changed: set[int]) -> int:
+    def _bond_cost(self, bond: int, changed: set[int], most: float = math.inf) -> int:
         ends = self._ends[bond]
         if ends is None:
             return 0
@@ -229,6 +251,8 @@ class Board:
             # A pair of changed bonds is counted once.
             if (other not in changed or bond < other) and self._cross(bond, other):
                 total += CROSSING
+                if total > most:
+                    break
         return total
 
     def _cross(self, one: int, two: int) -> bool:
@@ -236,16 +260,7 @@ class Board:
         if a in self.bonds[two] or b in self.bonds[two]:
             return False
         first, second = self._ends[one], self._ends[two]
-        if first is None or second is None:
-            return False
-        ((px, py), (qx, qy)), ((rx, ry), (sx, sy)) = first, second
-        # twice the areas of triangles: on which side of one bond the ends of the other are
-        ux, uy, vx, vy = qx - px, qy - py, sx - rx, sy - ry
-        one_side = ux * (ry - py) - uy * (rx - px)
-        other_side = ux * (sy - py) - uy * (sx - px)
-        if one_side * other_side >= 0:
-            return False
-        return (vx * (py - ry) - vy * (px - rx)) * (vx * (qy - ry) - vy * (qx - rx)) < 0
+        return first is not None and second is not None and _crossing(first, second)
 
     def _node_cost(self, node: int) -> int:
         here = self.at[node]
@@ -269,6 +284,30 @@ class Board:
             ux, uy, vx, vy = p[0] - here[0], p[1] - here[1], q[0] - here[0], q[1] - here[1]
             return 0 if ux * vy == uy * vx and ux * vx + uy * vy < 0 else BENT
         return 0
+
+
+def _near(ends: tuple[Cell, Cell], cell: Cell) -> bool:
+    """Whether a line passes through or close by a cell that is not one of its ends."""
+    if cell in ends:
+        return False
+    (ax, ay), (bx, by) = ends
+    dx, dy = bx - ax, by - ay
+    px, py = cell[0] - ax, cell[1] - ay
+    if not 0 <= px * dx + py * dy <= dx * dx + dy * dy:
+        return False
+    # Nearer than 0.45 of a cell: the letters would touch the line.
+    return 100 * (px * dy - py * dx) ** 2 < 21 * (dx * dx + dy * dy)
+
+
+def _crossing(first: tuple[Cell, Cell], second: tuple[Cell, Cell]) -> bool:
+    ((px, py), (qx, qy)), ((rx, ry), (sx, sy)) = first, second
+    # twice the areas of triangles: on which side of one bond the ends of the other are
+    ux, uy, vx, vy = qx - px, qy - py, sx - rx, sy - ry
+    one_side = ux * (ry - py) - uy * (rx - px)
+    other_side = ux * (sy - py) - uy * (sx - px)
+    if one_side * other_side >= 0:
+        return False
+    return (vx * (py - ry) - vy * (px - rx)) * (vx * (qy - ry) - vy * (qx - rx)) < 0
 
 
 def _length(a: Cell, b: Cell) -> int:

@@ -67,6 +67,7 @@ class Streets(Board):
         self._ways: list[tuple[list[int], list[int], list[int]]] = [([], [], []) for _ in bonds]
         self._long = [0] * len(bonds)  # what they cost by themselves
         self._clear: set[int] = set()  # those that are known to meet nothing
+        self._known: dict[int, int] = {}  # what nodes cost where they are
 
     def put(self, node: int, cell: Cell) -> None:
         """Place a node on a free cell."""
@@ -100,6 +101,8 @@ class Streets(Board):
         if self.turns[b] == STRAIGHT_AWAY and not _next_door(start, end):
             self.turns[b] = LEVEL_FIRST
         self._long[b] = self._alone(b, start, end, self.turns[b])
+        for n in self.bonds[b]:
+            self._known.pop(n, None)
         clear = self._clear
         clear.discard(b)
         level, upright, steps = self._ways[b] = _way(start, end, self.turns[b])
@@ -127,6 +130,8 @@ class Streets(Board):
 
     def _lift(self, b: int) -> None:
         way = self._ways[b]
+        for n in self.bonds[b]:
+            self._known.pop(n, None)
         for known, numbers in zip((self._level, self._upright, self._shared), way, strict=True):
             for number in numbers:
                 known[number].remove(b)
@@ -182,7 +187,12 @@ class Streets(Board):
                     for b in passes.get(number, ()):
                         if b not in bonds:
                             total += ON_NODE
-        return total + sum(self._node_cost(n) for n in touched if n in self._choosy)
+        known = self._known
+        for n in touched & self._choosy:
+            if n not in known:
+                known[n] = self._node_cost(n)
+            total += known[n]
+        return total
 
     def least(self, moves: Mapping[int, Cell], most: float = math.inf) -> int:
         """Return a lower bound of what `cost` would be after these moves, found without them.
@@ -272,7 +282,9 @@ class Streets(Board):
         ends = self._ends[bond]
         return ends is not None and ends[0][0] != ends[1][0] and ends[0][1] != ends[1][1]
 
-    def _bond_cost(self, bond: int, changed: set[int] | frozenset[int]) -> int:
+    def _bond_cost(
+        self, bond: int, changed: set[int] | frozenset[int], most: float = math.inf
+    ) -> int:
         if bond in self._clear or self._ends[bond] is None:
             return self._long[bond]
         met = self._met(bond, self._ways[bond], changed)

@@ -28,7 +28,7 @@ _HALF = (0.34, 0.3)
 _LENGTH, _BEND, _CROSS, _ASKEW = 10.0, 14.0, 160, 45.0
 _SHARE, _TOUCH = 400, 60
 _ROUNDS = 3
-_EFFORT = 9000
+_EFFORT = 18000
 """Ways that are looked for, times the number of bonds: a tangle of hundreds stays one."""
 _MOST = 400
 """Bonds beyond which ways stay as the placement has them."""
