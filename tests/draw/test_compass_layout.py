@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from hybond.draw.arrange import layout
 from hybond.draw.board import Board
+from hybond.draw.streets import Streets
+from hybond.draw.ways import _cross, _Lines
 
 
 def straight(bonds: list[tuple[int, int]], at: Any) -> bool:
@@ -134,6 +136,61 @@ def test_cost_of_a_part_tells_the_change_of_the_whole(graph: Any, seed: int) -> 
         assert board.least({node: cell}) >= 0
         board.move({node: cell})
         assert board.cost(nodes) - whole == board.cost([node]) - part
+
+
+@pytest.mark.parametrize("kind", [Board, Streets])
+@given(graphs(), st.integers(0, 10**6))
+@settings(max_examples=60, deadline=None)
+def test_a_move_that_is_refused_unmade_would_have_cost_too_much(
+    kind: type[Board], graph: Any, seed: int
+) -> None:
+    kinds, pairs = graph
+    bonds = list({frozenset(b): b for b in pairs}.values())
+    board, rng = kind(kinds, bonds), random.Random(seed)
+    cells = [(x, y) for x in range(5) for y in range(5)]
+    rng.shuffle(cells)
+    for node in range(len(kinds)):
+        board.put(node, cells[node])
+    for _ in range(8):
+        moves = {
+            n: c
+            for n, c in zip(
+                rng.sample(range(len(kinds)), min(2, len(kinds))), cells[-2:], strict=False
+            )
+            if c not in board.who
+        }
+        rng.shuffle(cells)
+        least = board.least(moves)
+        board.move(moves)
+        board.best_turns(sorted({b for n in moves for b in board.bonds_of[n]}))
+        assert least <= board.cost(moves)
+        # what is remembered between moves is what a new board counts
+        fresh = kind(kinds, bonds)
+        for n, cell in enumerate(board.at):
+            assert cell is not None
+            fresh.put(n, cell)
+        for b, way in enumerate(board.turns):
+            fresh.turn(b, way)
+        assert board.cost(range(len(kinds))) == fresh.cost(range(len(kinds)))
+
+
+@given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=2, max_size=12))
+@settings(max_examples=60, deadline=None)
+def test_steps_that_a_slanted_bond_crosses_are_those_of_all_lines(places: Any) -> None:
+    at = [(float(x), float(y)) for x, y in dict.fromkeys(places)]
+    lines = _Lines(at, [], [])
+    xs, ys, high = lines.xs, lines.ys, len(lines.ys)
+    for p, q in itertools.combinations(at, 2):
+        if p[0] == q[0] or p[1] == q[1]:
+            continue
+        every = set()
+        for i, x in enumerate(xs):
+            for j, y in enumerate(ys):
+                if i + 1 < len(xs) and _cross(((x, y), (xs[i + 1], y)), (p, q)):
+                    every.add(2 * (i * high + j))
+                if j + 1 < high and _cross(((x, y), (x, ys[j + 1])), (p, q)):
+                    every.add(2 * (i * high + j) + 1)
+        assert set(lines._slant(p, q)) == every
 
 
 def test_large_graph_is_laid_out() -> None:

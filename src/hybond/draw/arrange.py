@@ -32,6 +32,12 @@ _THOROUGH = 110
 """Number of nodes up to which the search is thorough."""
 _LARGE = 320
 """Beyond, only the first placement is made."""
+_BRIEF = 25
+"""Number of nodes from which searches with bonds that may bend are brief, and only the best of
+them is gone on with."""
+_SHORTER, _LEGS = 0.6, 4
+"""Moves of a brief search beside those of others; it has fewer where legs move together, if there
+are more than so many nodes for each that moves alone."""
 _TRIES = 6
 _PINNED_TRIES = {Board: 3, Streets: 6}
 """Searches for a picture without a flaw; fewer where one is asked for at each edit."""
@@ -227,33 +233,46 @@ def arranged(
     """
     size = len(kinds)
     groups = legs_of(kinds, bonds) if not fixed and size <= _LARGE else []
-    small = size <= _THOROUGH
+    small, brief = size <= _THOROUGH, size >= _BRIEF and kind is not Board
     alone = size - sum(len(leg) for group in groups for leg in group[1:])
     steps = min(_EFFORT[kind] * alone, _STEPS) if small else min(_STEPS, 400000 // size)
+    if brief:
+        steps = int(_SHORTER * steps * min(1.0, _LEGS * alone / size))
     near = Board(kinds, bonds).near
     crowded = sum(max(0, len(n) - 4) for n in near)  # bonds that have no side of their own
-    best: tuple[int, B] | None = None
+    best: tuple[int, Search[B]] | None = None
     found = 0
     most = _PINNED_TRIES[kind] if fixed else _TRIES
     tries = max(2, min(most, most * 40 // size)) if small else 1
     for attempt in range(tries):
-        board = _begun(kind, kinds, bonds, fixed, groups, seed, attempt)
-        search = Search(board, set(fixed), groups)
+        board = _begun(kind, kinds, bonds, fixed, groups, seed, attempt, brief)
+        search = Search(board, set(fixed), groups, brief)
         if size <= _LARGE:
             search.anneal(steps, seed=seed + attempt, hot=160 if attempt else 40)
-            search.descend(rounds=6 if small else 2, reach=2 if small else 1)
-            if not fixed and small:
-                _turn_about(board)
+            if small and not brief:
+                _settle(search)
+            else:
                 search.descend(rounds=2, reach=1)
         cost = board.cost(range(size))
         if best is None or cost < best[0]:
-            best, found = (cost, board), attempt
+            best, found = (cost, search), attempt
         if board.defects() <= crowded or attempt - found >= _VAIN:
             break
     assert best is not None
+    search = best[1]
+    board = search.board
+    if small and brief:
+        _settle(search)
     if not fixed:
-        _turn_about(best[1], _drawn_back)
-    return best[1]
+        _turn_about(board, _drawn_back)
+    return board
+
+
+def _settle(search: Search[B]) -> None:
+    """Improve a picture until nothing more is found, and the way that it is turned."""
+    search.descend(rounds=6, reach=2)
+    if not search.fixed and (_turn_about(search.board) or not search.brief):
+        search.descend(rounds=2, reach=1)
 
 
 def _begun(
@@ -264,6 +283,7 @@ def _begun(
     groups: Sequence[Sequence[Leg]],
     seed: int,
     attempt: int,
+    brief: bool,
     row: Mapping[int, Cell] | None = None,
 ) -> B:
     """Return a board with every node placed, legs in a row; `row` is where some begin."""
@@ -290,10 +310,11 @@ def _begun(
     own = [(number[a], number[b]) for a, b in bonds if a in number and b in number]
     own_kinds = [kinds[n] for n in kept]
     inner = None if row is None else {number[n]: cell for n, cell in row.items() if n in number}
-    small = _begun(kind, own_kinds, own, {}, fewer, seed, attempt, inner)
-    search = Search(small, set(), fewer)
+    small = _begun(kind, own_kinds, own, {}, fewer, seed, attempt, brief, inner)
+    search = Search(small, set(), fewer, brief)
     # what is begun well is only put right, or it is lost again
-    search.anneal(min(100 * len(kept), 3000), seed=seed + attempt, hot=15 if row else 160)
+    steps = int(min(100 * len(kept), 3000) * (_SHORTER if brief else 1.0))
+    search.anneal(steps, seed=seed + attempt, hot=15 if row else 160)
     search.descend(rounds=2, reach=1)
     cells = {n: cell for n, k in number.items() if (cell := small.at[k]) is not None}
     if row:
@@ -313,15 +334,22 @@ def _starts(
     """Return where nodes may stand at first, what costs least first: the same for all attempts."""
     pins = dict(fixed)
     rows = [dict(row)] if row else first_rows(Board(kinds, bonds), pins)
-    found = [start_board(kinds, bonds, pins, cells) for cells in rows]
-    found.sort(key=lambda b: b.cost(range(len(kinds))))
-    return [tuple(b.at) for b in found]
+    found: list[tuple[int, Board]] = []
+    most = math.inf
+    for cells in rows:
+        board = start_board(kinds, bonds, pins, cells, most)
+        if board is not None:
+            found.append((board.cost(range(len(kinds))), board))
+            found.sort(key=lambda f: f[0])
+            if len(kinds) > _THOROUGH:  # only the first is asked for
+                most = found[0][0]
+    return [tuple(board.at) for _, board in found]
 
 
 def _turn_about(
     board: Board, besides: Callable[[Board, Mapping[int, Cell]], float] | None = None
-) -> None:
-    """Mirror or turn the whole picture to the way that suits the compass best.
+) -> bool:
+    """Mirror or turn the whole picture to the way that suits the compass best; whether it is so.
 
     `besides` is what a way costs beside that; it is asked when all is placed.
     """
@@ -338,6 +366,7 @@ def _turn_about(
             found.append((board.cost(nodes) + more, way, ways))
     _, way, ways = min(found, key=lambda f: f[0])
     _set(board, way, ways)
+    return way != here
 
 
 def _drawn_back(board: Board, cells: Mapping[int, Cell]) -> float:

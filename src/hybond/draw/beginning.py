@@ -55,8 +55,12 @@ def start_board(
     bonds: Sequence[tuple[int, int]],
     fixed: Mapping[int, Cell],
     row: Mapping[int, Cell],
-) -> Board:
-    """Place pinned nodes and `row`, then every other node next to a placed neighbour."""
+    most: float = math.inf,
+) -> Board | None:
+    """Place pinned nodes and `row`, then every other node next to a placed neighbour.
+
+    None if that costs more than `most`, which is seen on the way.
+    """
     board = Board(kinds, bonds)
     for node, cell in {**fixed, **row}.items():
         board.put(node, cell)
@@ -75,6 +79,9 @@ def start_board(
                 break
             for node in ready:
                 board.put(node, _best_cell(board, node))
+                often = most < math.inf and len(board.who) % 16 == 0
+                if often and board.cost(range(len(kinds))) > most:
+                    return None
             pending = [n for n in pending if board.at[n] is None]
     for node in range(len(kinds)):
         if board.at[node] is None:  # a part of the skeleton that only one-ports lead to
@@ -85,26 +92,35 @@ def start_board(
 def _best_cell(board: Board, node: int) -> Cell:
     """Return the free cell near the node's placed neighbours that costs least."""
     anchors = [c for m in board.near[node] if (c := board.at[m]) is not None] or [(0, 0)]
-    best: tuple[int, int, Cell] | None = None
+    inner = len(board.near[node]) > 1
     for reach in (2, 4, 8, 16, 64):
-        for ax, ay in anchors:
-            for dx in range(-reach, reach + 1):
-                for dy in range(-reach, reach + 1):
-                    cell = (ax + dx, ay + dy)
-                    if cell in board.who:
-                        continue
-                    board.put(node, cell)
-                    # Room around a branch is worth more than a short bond to it.
-                    crowd = sum(
-                        (cell[0] + i, cell[1] + j) in board.who
-                        for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))
-                    )
-                    cost = board.cost([node]) + (6 * crowd if len(board.near[node]) > 1 else 0)
-                    board.take(node)
-                    if best is None or (cost, abs(dx) + abs(dy)) < best[:2]:
-                        best = (cost, abs(dx) + abs(dy), cell)
+        span = range(-reach, reach + 1)
+        ways = [(dx, dy) for dx in span for dy in span]
+        # the nearest first: most of the others are then known to cost more without being tried
+        near = sorted(range(len(ways)), key=lambda k: abs(ways[k][0]) + abs(ways[k][1]))
+        best: tuple[int, int, int] | None = None
+        found = anchors[0]
+        for place, (ax, ay) in enumerate(anchors):
+            for k in near:
+                dx, dy = ways[k]
+                cell = (ax + dx, ay + dy)
+                if cell in board.who:
+                    continue
+                # Room around a branch is worth more than a short bond to it.
+                x, y = cell
+                around = ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)) if inner else ()
+                crowd = 6 * sum(c in board.who for c in around)
+                most = math.inf if best is None else best[0] - crowd
+                if board.least({node: cell}, most) > most:
+                    continue
+                board.put(node, cell)
+                cost = board.cost([node], most=most) + crowd
+                board.take(node)
+                rank = (cost, abs(dx) + abs(dy), place * len(ways) + k)
+                if best is None or rank < best:
+                    best, found = rank, cell
         if best is not None:
-            return best[2]
+            return found
     return nearest(anchors[0], set(board.who))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 
 from hybond.model.kinds import SOURCES
 
@@ -75,8 +76,15 @@ class Board:
                 self.bonds_of[one].append(b)
                 if other not in self.near[one]:
                     self.near[one].append(other)
+        self._inner = [len(self.near[a]) > 1 and len(self.near[b]) > 1 for a, b in bonds]
+        self._choosy = {  # nodes that may cost something where they are
+            n
+            for n, kind in enumerate(kinds)
+            if (len(self.near[n]) == 1 and kind in _SIDES)
+            or (len(self.near[n]) == 2 and kind in ("TF", "GY"))
+        }
         self.turns = [STRAIGHT_AWAY] * len(bonds)
-        self._over: dict[Cell, set[int]] = {}  # bonds by the cells of their bounding box
+        self._over: dict[Cell, set[int]] = {}  # bonds by the cells along them
         self._box: list[list[Cell]] = [[] for _ in bonds]  # these cells; none if not placed
         self._ends: list[tuple[Cell, Cell] | None] = [None] * len(bonds)
 
@@ -128,7 +136,7 @@ class Board:
         bonds = {b for n in changed for b in self.bonds_of[n]}
         total = 0
         for b in bonds:
-            total += self._bond_cost(b, bonds)
+            total += self._bond_cost(b, bonds, most - total)
             if total > most:
                 return total
         for n in changed:
@@ -139,7 +147,7 @@ class Board:
                 if b not in bonds and self._covers(b, cell):
                     total += ON_BOND
         touched = changed.union(*(self.near[n] for n in changed))
-        return total + sum(self._node_cost(n) for n in touched)
+        return total + sum(self._node_cost(n) for n in touched if n in self._choosy)
 
     def defects(self) -> int:
         """Return how many bonds run askew, cross another or pass over a node."""
@@ -155,57 +163,96 @@ class Board:
             count += sum(cell in self.who and self._covers(b, cell) for cell in self._box[b])
         return count
 
-    def least(self, moves: Mapping[int, Cell]) -> int:
-        """Return a quick lower bound of what `cost` would be after these moves.
+    def least(self, moves: Mapping[int, Cell], most: float = math.inf) -> int:
+        """Return a lower bound of what `cost` would be after these moves, found without them.
 
-        It counts lengths and directions, and bonds that nodes would stand on; most moves are
-        refused for these already.
+        Bonds that move do not meet each other in it, nor nodes that move. Of a bound above `most`
+        only as much is counted as it takes to know that.
         """
         total = 0
+        ways: list[tuple[int, Cell, Cell]] = []
         bonds = {b for n in moves for b in self.bonds_of[n]}
         for b in bonds:
             tail, head = self.bonds[b]
             start, end = moves.get(tail) or self.at[tail], moves.get(head) or self.at[head]
-            if start is not None and end is not None:
-                total += _length(start, end)
+            if start is None or end is None:
+                continue
+            total += _length(start, end)
+            if self._inner[b]:
+                dx, dy = end[0] - start[0], end[1] - start[1]
+                total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
+            ways.append((b, start, end))
+        if total > most:
+            return total
         for cell in moves.values():
             for b in self._over.get(cell, ()):
                 if b not in bonds and self._covers(b, cell):
                     total += ON_BOND
+        total += self._node_costs_after(moves)
+        for b, start, end in ways:
+            if total > most:
+                break
+            total += self._least_met(b, start, end, bonds, moves)
+        return total
+
+    def _least_met(
+        self, bond: int, start: Cell, end: Cell, changed: set[int], moves: Mapping[int, Cell]
+    ) -> int:
+        """Return what it costs that a bond meets nodes that stay and bonds not `changed`."""
+        total = 0
+        others: set[int] = set()
+        for cell in _box(start, end):
+            node = self.who.get(cell)
+            if node is not None and node not in moves and _near((start, end), cell):
+                total += ON_BOND
+            others.update(self._over.get(cell, ()))
+        tail, head = self.bonds[bond]
+        for other in others - changed:
+            ends, pair = self._ends[other], self.bonds[other]
+            if tail in pair or head in pair or ends is None:
+                continue
+            if _crossing((start, end), ends):
+                total += CROSSING
+        return total
+
+    def _node_costs_after(self, moves: Mapping[int, Cell]) -> int:
+        """Return what nodes and their neighbours would cost, where no bond bends."""
+        at = self.at
+        old = [(n, at[n]) for n in moves]
+        touched = {m for n in moves for m in (n, *self.near[n]) if m in self._choosy}
+        for n, cell in moves.items():
+            at[n] = cell
+        total = sum(Board._node_cost(self, n) for n in touched)
+        for n, before in old:
+            at[n] = before
         return total
 
     def _covers(self, bond: int, cell: Cell) -> bool:
         """Whether a bond passes through or close by a cell that is not one of its ends."""
         ends = self._ends[bond]
-        if ends is None or cell in ends:
-            return False
-        (ax, ay), (bx, by) = ends
-        dx, dy = bx - ax, by - ay
-        px, py = cell[0] - ax, cell[1] - ay
-        if not 0 <= px * dx + py * dy <= dx * dx + dy * dy:
-            return False
-        # Nearer than 0.45 of a cell: the letters would touch the line.
-        return 100 * (px * dy - py * dx) ** 2 < 21 * (dx * dx + dy * dy)
+        return ends is not None and _near(ends, cell)
 
-    def _bond_cost(self, bond: int, changed: set[int]) -> int:
+    def _bond_cost(self, bond: int, changed: set[int], most: float = math.inf) -> int:
         ends = self._ends[bond]
         if ends is None:
             return 0
         (ax, ay), (bx, by) = ends
         dx, dy = bx - ax, by - ay
         total = _length(*ends)
-        tail, head = self.bonds[bond]
-        if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
+        if self._inner[bond]:
             total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
         others: set[int] = set()
         for cell in self._box[bond]:
             if cell in self.who and self._covers(bond, cell):
                 total += ON_BOND
             others.update(self._over.get(cell, ()))
+        others.discard(bond)
         for other in others:
             # A pair of changed bonds is counted once.
             if (other not in changed or bond < other) and self._cross(bond, other):
                 total += CROSSING
+                if total > most:
+                    break
         return total
 
     def _cross(self, one: int, two: int) -> bool:
@@ -213,16 +260,7 @@ class Board:
         if a in self.bonds[two] or b in self.bonds[two]:
             return False
         first, second = self._ends[one], self._ends[two]
-        if first is None or second is None:
-            return False
-        ((px, py), (qx, qy)), ((rx, ry), (sx, sy)) = first, second
-        # twice the areas of triangles: on which side of one bond the ends of the other are
-        ux, uy, vx, vy = qx - px, qy - py, sx - rx, sy - ry
-        one_side = ux * (ry - py) - uy * (rx - px)
-        other_side = ux * (sy - py) - uy * (sx - px)
-        if one_side * other_side >= 0:
-            return False
-        return (vx * (py - ry) - vy * (px - rx)) * (vx * (qy - ry) - vy * (qx - rx)) < 0
+        return first is not None and second is not None and _crossing(first, second)
 
     def _node_cost(self, node: int) -> int:
         here = self.at[node]
@@ -248,6 +286,30 @@ class Board:
         return 0
 
 
+def _near(ends: tuple[Cell, Cell], cell: Cell) -> bool:
+    """Whether a line passes through or close by a cell that is not one of its ends."""
+    if cell in ends:
+        return False
+    (ax, ay), (bx, by) = ends
+    dx, dy = bx - ax, by - ay
+    px, py = cell[0] - ax, cell[1] - ay
+    if not 0 <= px * dx + py * dy <= dx * dx + dy * dy:
+        return False
+    # Nearer than 0.45 of a cell: the letters would touch the line.
+    return 100 * (px * dy - py * dx) ** 2 < 21 * (dx * dx + dy * dy)
+
+
+def _crossing(first: tuple[Cell, Cell], second: tuple[Cell, Cell]) -> bool:
+    ((px, py), (qx, qy)), ((rx, ry), (sx, sy)) = first, second
+    # twice the areas of triangles: on which side of one bond the ends of the other are
+    ux, uy, vx, vy = qx - px, qy - py, sx - rx, sy - ry
+    one_side = ux * (ry - py) - uy * (rx - px)
+    other_side = ux * (sy - py) - uy * (sx - px)
+    if one_side * other_side >= 0:
+        return False
+    return (vx * (py - ry) - vy * (px - rx)) * (vx * (qy - ry) - vy * (qx - rx)) < 0
+
+
 def _length(a: Cell, b: Cell) -> int:
     """Return the cost of a bond's length and direction alone."""
     dx, dy = abs(b[0] - a[0]), abs(b[1] - a[1])
@@ -256,10 +318,17 @@ def _length(a: Cell, b: Cell) -> int:
 
 
 def _box(a: Cell, b: Cell) -> list[Cell]:
-    (ax, ay), (bx, by) = a, b
-    if ax > bx:
-        ax, bx = bx, ax
-    if ay > by:
-        ay, by = by, ay
-    rows = range(ay, by + 1)
-    return [(x, y) for x in range(ax, bx + 1) for y in rows]
+    """Return the cells along a bond."""
+    x, y = a
+    return [(x + dx, y + dy) for dx, dy in _along(b[0] - x, b[1] - y)]
+
+
+@lru_cache(maxsize=8192)
+def _along(dx: int, dy: int) -> tuple[Cell, ...]:
+    """Return the cells along a line from the origin.
+
+    They are so near that the place where two lines cross is in a cell of both.
+    """
+    xs, ys = range(min(dx, 0), max(dx, 0) + 1), range(min(dy, 0), max(dy, 0) + 1)
+    near = 51 * (dx * dx + dy * dy)
+    return tuple((x, y) for x in xs for y in ys if 100 * (x * dy - y * dx) ** 2 <= near)

@@ -101,6 +101,7 @@ def multiplied(
     if len(board.who) < len(kinds):
         known = {n: cell for n, cell in enumerate(board.at) if cell is not None}
         whole = start_board(kinds, bonds, known, {})
+        assert whole is not None
         for n, place in enumerate(whole.at):
             if n not in known and place is not None:
                 board.put(n, place)

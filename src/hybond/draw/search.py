@@ -9,15 +9,18 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 from hybond.draw.board import Board, Cell
 from hybond.draw.legs import Leg
 
+B = TypeVar("B", bound=Board)
 Moves = dict[int, Cell]
+_AROUND = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
 
 
 @dataclass
-class Search:
+class Search(Generic[B]):
     """A board that is improved, with what must stay together.
 
     Parameters
@@ -28,16 +31,20 @@ class Search:
         Nodes that stay.
     groups : sequence of sequence of tuple of int
         Groups of legs, see `hybond.draw.legs`.
+    brief : bool
+        In a descent, leave nodes alone around which nothing has changed since they were tried.
     """
 
-    board: Board
+    board: B
     fixed: set[int] = field(default_factory=set)
     groups: Sequence[Sequence[Leg]] = ()
+    brief: bool = False
 
     def __post_init__(self) -> None:
         size = len(self.board.kinds)
         near = self.board.near
         self._costs: dict[frozenset[int], int] = {}  # of nodes as the board is
+        self._awake: set[int] = set()  # nodes around which something has changed
         self.twins: list[tuple[int, ...]] = [(n,) for n in range(size)]
         self.legs: list[Sequence[Leg]] = list(self.groups)
         for legs in self.groups:
@@ -107,6 +114,14 @@ class Search:
         """Return the moves of nodes and their twins by (dx, dy); who stands there makes room."""
         if dx == 0 == dy:
             return {}
+        if len(whole) == 1 == len(self.twins[whole[0]]):
+            node = whole[0]
+            cell = self.board.at[node]
+            if cell is None or node in self.fixed:
+                return {}
+            target = (cell[0] + dx, cell[1] + dy)
+            if target not in self.board.who:
+                return {node: target}
         return self._shifted({t: (dx, dy) for n in whole for t in self.twins[n]})
 
     def _shifted(self, by: Mapping[int, Cell]) -> Moves:
@@ -158,7 +173,7 @@ class Search:
             return 0
         board = self.board
         before = self._cost(moves)
-        if board.least(moves) > before + threshold:
+        if board.least(moves, before + threshold) > before + threshold:
             return 0
         old = {n: c for n in moves if (c := board.at[n]) is not None}
         bonds = sorted({b for n in moves for b in board.bonds_of[n]})
@@ -173,7 +188,20 @@ class Search:
                     board.turn(b, way)
             return 0
         self._costs.clear()
+        if self.brief:
+            self._wake(moves, old)
         return change
+
+    def _wake(self, moves: Moves, old: Moves) -> None:
+        board = self.board
+        self._awake.update(moves)
+        for n in moves:
+            self._awake.update(board.near[n])
+        for x, y in {*moves.values(), *old.values()}:
+            for around in _AROUND:
+                other = board.who.get((x + around[0], y + around[1]))
+                if other is not None:
+                    self._awake.add(other)
 
     def _cost(self, nodes: Iterable[int]) -> int:
         """Return what nodes cost where they are; nearly all moves are refused and leave it so."""
@@ -189,11 +217,14 @@ class Search:
         ways = [(dx, dy) for dx in range(-reach, reach + 1) for dy in range(-reach, reach + 1)]
         first = [n for n in range(len(board.kinds)) if self.twins[n][0] == n]
         self._costs.clear()
+        self._awake = set(first)
         for _ in range(rounds):
             gain = 0
             for node in first:
-                if node in self.fixed:
+                if node in self.fixed or self._awake.isdisjoint(self.twins[node]):
                     continue
+                if self.brief:
+                    self._awake.difference_update(self.twins[node])
                 for whole in dict.fromkeys((self.whole[node], (node,))):
                     for dx, dy in ways:
                         gain += self.attempt(self.moves(whole, dx, dy), -1)

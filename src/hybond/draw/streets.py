@@ -65,12 +65,18 @@ class Streets(Board):
         self._upright: dict[int, list[int]] = {}  # the same for upright ones; corners are both
         self._shared: dict[int, list[int]] = {}  # bonds by their steps
         self._ways: list[tuple[list[int], list[int], list[int]]] = [([], [], []) for _ in bonds]
+        self._long = [0] * len(bonds)  # what they cost by themselves
+        self._clear: set[int] = set()  # those that are known to meet nothing
+        self._known: dict[int, int] = {}  # what nodes cost where they are
 
     def put(self, node: int, cell: Cell) -> None:
         """Place a node on a free cell."""
         self.at[node] = cell
         self.who[cell] = node
-        self._taken.add((cell[0] << _ROW) + cell[1])
+        number = (cell[0] << _ROW) + cell[1]
+        self._taken.add(number)
+        for passes in (self._level, self._upright):
+            self._clear.difference_update(passes.get(number, ()))
         for b in self.bonds_of[node]:
             tail, head = self.bonds[b]
             start, end = self.at[tail], self.at[head]
@@ -94,20 +100,42 @@ class Streets(Board):
         self._ends[b] = (start, end)
         if self.turns[b] == STRAIGHT_AWAY and not _next_door(start, end):
             self.turns[b] = LEVEL_FIRST
-        way = self._ways[b] = _way(start, end, self.turns[b])
-        for known, numbers in zip((self._level, self._upright, self._shared), way, strict=True):
+        self._long[b] = self._alone(b, start, end, self.turns[b])
+        for n in self.bonds[b]:
+            self._known.pop(n, None)
+        clear = self._clear
+        clear.discard(b)
+        level, upright, steps = self._ways[b] = _way(start, end, self.turns[b])
+        for known, numbers in (
+            (self._level, level),
+            (self._upright, upright),
+            (self._shared, steps),
+        ):
             for number in numbers:
                 if number in known:
                     known[number].append(b)
                 else:
                     known[number] = [b]
+        for met, numbers in (
+            (self._upright, level),
+            (self._level, upright),
+            (self._shared, steps),
+        ):
+            for number in numbers:
+                if number in met:
+                    clear.difference_update(met[number])
+        if self.turns[b] == STRAIGHT_AWAY:
+            for step in steps:
+                clear.difference_update(self._shared.get(step ^ 1, ()))
 
     def _lift(self, b: int) -> None:
         way = self._ways[b]
+        for n in self.bonds[b]:
+            self._known.pop(n, None)
         for known, numbers in zip((self._level, self._upright, self._shared), way, strict=True):
             for number in numbers:
                 known[number].remove(b)
-        self._ways[b], self._ends[b] = ([], [], []), None
+        self._ways[b], self._ends[b], self._long[b] = ([], [], []), None, 0
 
     def turn(self, bond: int, way: int) -> None:
         """Give a bond another turn."""
@@ -124,6 +152,8 @@ class Streets(Board):
             if ends is None or ends[0][0] == ends[1][0] or ends[0][1] == ends[1][1]:
                 continue
             here = self.turns[b]
+            if here != STRAIGHT_AWAY and not self._met(b, self._ways[b], _NONE):
+                continue
             ways = (LEVEL_FIRST, UPRIGHT_FIRST, STRAIGHT_AWAY)[: 3 if _next_door(*ends) else 2]
             costs = []
             for way in ways:
@@ -144,7 +174,7 @@ class Streets(Board):
         bonds = {b for n in changed for b in self.bonds_of[n]}
         total = 0
         for b in bonds:
-            total += self._bond_cost(b, bonds)
+            total += self._long[b] if b in self._clear else self._bond_cost(b, bonds)
             if total > most:
                 return total
         touched = set(changed)
@@ -157,16 +187,86 @@ class Streets(Board):
                     for b in passes.get(number, ()):
                         if b not in bonds:
                             total += ON_NODE
-        return total + sum(self._node_cost(n) for n in touched)
+        known = self._known
+        for n in touched & self._choosy:
+            if n not in known:
+                known[n] = self._node_cost(n)
+            total += known[n]
+        return total
 
-    def least(self, moves: Mapping[int, Cell]) -> int:
-        """Return a quick lower bound of what `cost` would be after these moves."""
-        total = 0
-        for b in {b for n in moves for b in self.bonds_of[n]}:
+    def least(self, moves: Mapping[int, Cell], most: float = math.inf) -> int:
+        """Return a lower bound of what `cost` would be after these moves, found without them.
+
+        Each bond takes the turn that is best for it alone, and those that move do not meet each
+        other. Of a bound above `most` only as much is counted as it takes to know that.
+        """
+        at, total = self.at, 0
+        bonds = {b for n in moves for b in self.bonds_of[n]}
+        ways: list[tuple[Cell, Cell]] = []
+        for b in bonds:
             tail, head = self.bonds[b]
-            start, end = moves.get(tail) or self.at[tail], moves.get(head) or self.at[head]
-            if start is not None and end is not None:
-                total += _length(start, end, LEVEL_FIRST)
+            start, end = moves.get(tail) or at[tail], moves.get(head) or at[head]
+            if start is None or end is None:
+                continue
+            dx, dy = end[0] - start[0], end[1] - start[1]
+            long = UNIT + LONGER * (abs(dx) + abs(dy) - 1) + (BEND if dx and dy else 0)
+            if self._inner[b]:
+                long += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
+            total += long
+            ways.append((start, end))
+        if total > most:
+            return total
+        old = {(c[0] << _ROW) + c[1] for n in moves if (c := at[n]) is not None}
+        new = {(x << _ROW) + y for x, y in moves.values()}
+        for number in new:
+            for passes in (self._level, self._upright):
+                for b in passes.get(number, ()):
+                    if b not in bonds:
+                        total += ON_NODE
+        total += self._node_costs_after(moves)
+        if total > most:
+            return total
+        taken = (self._taken - old) | new
+        for start, end in ways:
+            if start[0] == end[0] or start[1] == end[1]:
+                total += self._least_met(start, end, LEVEL_FIRST, bonds, taken)
+            else:
+                met = self._least_met(start, end, LEVEL_FIRST, bonds, taken)
+                if met:
+                    met = min(met, self._least_met(start, end, UPRIGHT_FIRST, bonds, taken))
+                more = ASKEW - BEND
+                if met > more and _next_door(start, end):
+                    more += self._least_met(start, end, STRAIGHT_AWAY, bonds, taken)
+                    met = min(met, more)
+                total += met
+            if total > most:
+                break
+        return total
+
+    def _least_met(
+        self, start: Cell, end: Cell, turn: int, changed: set[int], taken: set[int]
+    ) -> int:
+        """Return what it costs that a bond on this way meets nodes, and bonds not `changed`."""
+        total = 0
+        first = (start[0] << _ROW) + start[1]
+        level, upright, steps = _from_origin(end[0] - start[0], end[1] - start[1], turn)
+        for offsets, across in ((level, self._upright), (upright, self._level)):
+            for offset in offsets:
+                number = first + offset
+                if number in taken:
+                    total += ON_NODE
+                for other in across.get(number, ()):
+                    if other not in changed:
+                        total += CROSS
+        first <<= 2
+        shared = self._shared
+        for offset in steps:
+            step = first + offset
+            for other in shared.get(step, ()):
+                if other not in changed:
+                    total += SAME_WAY
+            if step & 2:
+                total += CROSS * sum(o not in changed for o in shared.get(step ^ 1, ()))
         return total
 
     def defects(self) -> int:
@@ -182,17 +282,23 @@ class Streets(Board):
         ends = self._ends[bond]
         return ends is not None and ends[0][0] != ends[1][0] and ends[0][1] != ends[1][1]
 
-    def _bond_cost(self, bond: int, changed: set[int] | frozenset[int]) -> int:
-        ends = self._ends[bond]
-        if ends is None:
-            return 0
-        (ax, ay), (bx, by) = ends
-        total = _length(*ends, self.turns[bond])
-        tail, head = self.bonds[bond]
-        if len(self.near[tail]) > 1 and len(self.near[head]) > 1:
-            dx, dy = bx - ax, by - ay
+    def _bond_cost(
+        self, bond: int, changed: set[int] | frozenset[int], most: float = math.inf
+    ) -> int:
+        if bond in self._clear or self._ends[bond] is None:
+            return self._long[bond]
+        met = self._met(bond, self._ways[bond], changed)
+        if not met and not self._met(bond, self._ways[bond], _NONE):
+            self._clear.add(bond)
+        return self._long[bond] + met
+
+    def _alone(self, bond: int, start: Cell, end: Cell, turn: int) -> int:
+        """Return what a bond costs by its length, bend and direction."""
+        total = _length(start, end, turn)
+        if self._inner[bond]:
+            dx, dy = end[0] - start[0], end[1] - start[1]
             total += BACKWARDS * (dx < 0 or (dx == 0 and dy < 0)) + VERTICAL * (dy != 0)
-        return total + self._met(bond, self._ways[bond], changed)
+        return total
 
     def _met(
         self,
