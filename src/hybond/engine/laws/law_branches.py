@@ -91,9 +91,10 @@ def short_step(m: Model, r: Laws, y: Floats) -> float:
 
 
 def least_time(m: Model, r: Laws, y: Floats) -> float:
-    """Return the shortest time that feedthrough and storage make, or what is known where none do.
+    """Return the shortest time that feedthrough and storage make.
 
-    Any will do where nothing is known of it.
+    Where none do any will do that is long beside rounding: a second, or that in which slow sources
+    change.
     """
     a = r.response
     n = m.ports
@@ -103,9 +104,10 @@ def least_time(m: Model, r: Laws, y: Floats) -> float:
         stored = math.fabs(a.ce[k * n + k])
         if through > 0.0 and stored > 0.0:
             least = min(least, through / stored)
-    if not least < math.inf:
-        least = time_of_known(m, r, y)
-    return least if least < math.inf else 1.0
+    if least < math.inf:
+        return least
+    known = time_of_known(m, r, y)
+    return max(known, 1.0) if known < math.inf else 1.0
 
 
 def time_of_known(m: Model, r: Laws, y: Floats) -> float:
