@@ -175,7 +175,7 @@ def test_a_move_that_is_refused_unmade_would_have_cost_too_much(
 
 
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=2, max_size=12))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_steps_that_a_slanted_bond_crosses_are_those_of_all_lines(places: Any) -> None:
     at = [(float(x), float(y)) for x, y in dict.fromkeys(places)]
     lines = _Lines(at, [], [])

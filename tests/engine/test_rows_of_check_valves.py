@@ -79,7 +79,7 @@ def test_two_rows_beside_each_other_are_as_one_alone() -> None:
 
 
 def test_twice_as_many_valves_are_not_tried_twice_as_often() -> None:
-    few, many = (_tried_at_the_start(n) for n in (10, 20))
+    few, many = (_tried_at_the_start(n) for n in (6, 12))
     assert many <= few + 4
 
 
