@@ -229,21 +229,21 @@ class Streets(Board):
         taken = (self._taken - old) | new
         for start, end in ways:
             if start[0] == end[0] or start[1] == end[1]:
-                total += self._least_met(start, end, LEVEL_FIRST, bonds, taken)
+                total += self._least_way(start, end, LEVEL_FIRST, bonds, taken)
             else:
-                met = self._least_met(start, end, LEVEL_FIRST, bonds, taken)
+                met = self._least_way(start, end, LEVEL_FIRST, bonds, taken)
                 if met:
-                    met = min(met, self._least_met(start, end, UPRIGHT_FIRST, bonds, taken))
+                    met = min(met, self._least_way(start, end, UPRIGHT_FIRST, bonds, taken))
                 more = ASKEW - BEND
                 if met > more and _next_door(start, end):
-                    more += self._least_met(start, end, STRAIGHT_AWAY, bonds, taken)
+                    more += self._least_way(start, end, STRAIGHT_AWAY, bonds, taken)
                     met = min(met, more)
                 total += met
             if total > most:
                 break
         return total
 
-    def _least_met(
+    def _least_way(
         self, start: Cell, end: Cell, turn: int, changed: set[int], taken: set[int]
     ) -> int:
         """Return what it costs that a bond on this way meets nodes, and bonds not `changed`."""
