@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -115,12 +116,22 @@ def energies_into(
         return Passed(steps.low, steps.high, np.zeros((0, len(steps))))
     known: list[Known] = []
     stretches = list(_stretches(steps, len(bonds)))
-    # what next to nothing passes in is a part of all the others
-    sizes = [Size.of(rows, stretch) for stretch in stretches if len(stretches) > 1]
+    sizes: dict[int, Size] = {}
+
+    def others(k: int) -> Size | None:
+        """Return what passes in all stretches but one: next to nothing is a part of that."""
+        for j, stretch in enumerate(stretches):
+            if j not in sizes:
+                sizes[j] = Size.of(rows, stretch)
+        return Size.joined([size for j, size in sizes.items() if j != k])
+
     for k, stretch in enumerate(stretches):
-        beside = Size.joined(sizes[:k] + sizes[k + 1 :])
         found = resolved(
-            *(rows, stretch), name="power", shared=len(nodes), tolerance=tolerance, beside=beside
+            *(rows, stretch),
+            name="power",
+            shared=len(nodes),
+            tolerance=tolerance,
+            beside=partial(others, k) if len(stretches) > 1 else None,
         )
         known.append(found)
     return Passed(

@@ -268,7 +268,7 @@ def resolved(
     name: str,
     shared: int,
     tolerance: float = TOLERANCE,
-    beside: Size | None = None,
+    beside: Callable[[], Size | None] | None = None,
 ) -> Known:
     """Return rows of functions in pieces as short as it takes; arguments as `integrable`.
 
@@ -276,28 +276,29 @@ def resolved(
     ----------
     rows : callable
         Functions at Chebyshev's points of pieces, shape (functions, pieces, 11).
-    beside : Size, optional
-        What the functions have elsewhere: these pieces are a part of what is integrated.
+    beside : callable, optional
+        Returns what the functions have elsewhere: these pieces are a part of what is integrated. It
+        is asked where they are not known well enough by what they have themselves.
     """
     allowed = len(todo) + LIMIT
-    length = float(2.0 * todo.half.sum()) + (0.0 if beside is None else beside.length)
+    length = float(2.0 * todo.half.sum())
     done: list[tuple[Pieces, Vector]] = []
-    before: Vector = np.zeros(1) if beside is None else beside.sums
-    peak: Vector = np.zeros(1) if beside is None else beside.peak
+    before: Vector = np.zeros(1)
+    peak: Vector = np.zeros(1)
     count = 0
     for _ in range(ROUNDS):
         made = rows(todo)
         tail = tails(coefficients(made))
         passing = (np.abs(made) @ WEIGHTS) * todo.half
-        sums = passing.sum(axis=1) + before
-        sums[:shared] = sums[:shared].max()
+        here = passing.sum(axis=1)
         peak = np.maximum(np.abs(made).max(axis=(1, 2)), peak)
-        peak[:shared] = peak[:shared].max()
-        fine = tail <= tolerance * (sums / length)[:, None]
-        fine |= tail * todo.half <= 1e-2 * tolerance * sums[:, None]
-        fine |= tail <= NOISE * peak[:, None]
-        short = todo.half <= 8.0 * np.spacing(np.abs(todo.high))
-        ok = fine.all(axis=0) | short
+        ok = _are_known(todo, tail, here + before, peak, length, shared, tolerance)
+        if beside is not None and not ok.all():
+            if (more := beside()) is not None:
+                length, before = length + more.length, before + more.sums
+                peak = np.maximum(peak, more.peak)
+                ok = _are_known(todo, tail, here + before, peak, length, shared, tolerance)
+            beside = None
         done.append((todo.part(ok), made[:, ok]))
         before = before + passing[:, ok].sum(axis=1)
         count += int(ok.sum())
@@ -308,6 +309,26 @@ def resolved(
         raise unknown(name, tolerance)
     pieces, order = Pieces.joined([p for p, _ in done])
     return Known(pieces, np.concatenate([f for _, f in done], axis=1)[:, order])
+
+
+def _are_known(
+    pieces: Pieces,
+    tail: Vector,
+    sums: Vector,
+    peak: Vector,
+    length: float,
+    shared: int,
+    tolerance: float,
+) -> NDArray[np.bool_]:
+    """Return which pieces are short enough, of what their polynomials leave of the functions."""
+    sums, peak = sums.copy(), peak.copy()
+    sums[:shared] = sums[:shared].max()
+    peak[:shared] = peak[:shared].max()
+    fine = tail <= tolerance * (sums / length)[:, None]
+    fine |= tail * pieces.half <= 1e-2 * tolerance * sums[:, None]
+    fine |= tail <= NOISE * peak[:, None]
+    short = pieces.half <= 8.0 * np.spacing(np.abs(pieces.high))
+    return np.asarray(fine.all(axis=0) | short)
 
 
 @dataclass(frozen=True, slots=True)

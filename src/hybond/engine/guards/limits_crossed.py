@@ -24,6 +24,8 @@ from hybond.engine.methods.explicit.dopri import spacing
 
 WIDE: Final = 16.0
 """Last places of the time between which a guard is found to begin: four, and those around them."""
+ALIKE: Final = 16.0
+"""Times as far as just before, or just behind, that what crosses may go there: a jump is more."""
 NEAR: Final = 4.0
 """Times rounding by which a comparison is past zero where it is found to be so at once."""
 
@@ -43,14 +45,22 @@ def note_limits(e: Engine, g: Locator, t: float) -> None:
 
 
 def crosses_at(e: Engine, g: Locator, k: int, t: float) -> bool:
-    """Whether a comparison is past zero by no more than finding it does."""
+    """Whether a comparison is past zero by no more than finding it does.
+
+    One that has jumped over zero, as ``floor(time) > 0.5`` does, is not: it is where it is.
+    """
     a = g.atom_first[k]
     here = atom_at(e, g, a, t)
     size = terms_here(e, g, k, a)
     if math.fabs(here) <= NEAR * ROUNDING * size:
         return True
-    before = atom_at(e, g, a, max(t - WIDE * spacing(t), e.step.t0))
-    return not before * here > 0.0
+    way = WIDE * spacing(t)
+    before = atom_at(e, g, a, max(t - way, e.step.t0))
+    if before * here > 0.0:
+        return False
+    goes = math.fabs(before - atom_at(e, g, a, max(t - 2.0 * way, e.step.t0)))
+    goes = max(goes, math.fabs(atom_at(e, g, a, min(t + way, e.step.t1)) - here))
+    return math.fabs(here - before) <= ALIKE * goes + NEAR * ROUNDING * size
 
 
 def level_of(e: Engine, machine: int, r: int) -> float:
