@@ -11,7 +11,7 @@ import math
 import pytest
 
 import hybond as hb
-from hybond.engine.guards import guard_shape, in_blocks
+from hybond.engine.guards import guard_shape
 
 UNTIL = 0.5
 
@@ -85,4 +85,3 @@ def test_what_one_compares_is_not_sampled_for_the_others(
     assert len(run.events) > 4 * many
     # some blocks of nine samples for each, whatever the others do
     assert asked < 9 * 30 * len(run.events)
-    assert in_blocks.sample is guard_shape.sample

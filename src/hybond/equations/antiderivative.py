@@ -20,7 +20,7 @@ def known_energy(law: Expr, name: str) -> Expr | None:
     It does if there are waves in it, sines and cosines of a straight line, or what pushes one way,
     powers of ``max(line, 0)``; powers may stand beside them. A difference of two cosines is written
     as a product, which has its digits near zero, too. What pushes where nothing is stored is left
-    to points: the energy would be a difference.
+    to points, as the energy would be a difference; so is a gap or a power that is a parameter.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def _integral(e: Expr, name: str) -> Expr | None:
             whole = degree >= 2.0 and degree == int(degree)
             return Binary("/", Binary("^", x, up), up) if whole else None
         case Binary(op="^", left=Call() as push, right=Number(degree)) if _is_push(push, name):
-            if is_slotted(degree) or degree < 0.0:
+            if is_slotted(degree) or degree <= 0.0:
                 return None
             return _of_push(push, degree + 1.0, name)
         case Call(function="max") if _is_push(e, name):

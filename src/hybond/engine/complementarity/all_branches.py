@@ -59,8 +59,9 @@ def answer_laws(p: LawProblem, start: Ints) -> bool:
     p.mixed.lcp.proved = False
     p.answers = 1
     found = solve_laws(p, start)
-    for k in range(p.n):
-        if not found and is_known(p, k):
+    # what no law moves is known, though nothing was found for the others
+    for k in range(p.n if not found else 0):
+        if is_known(p, k):
             p.l[k] = 0.0
             p.branch[k] = 1 if p.common[k] == 0 else 0
             p.open[k] = 0

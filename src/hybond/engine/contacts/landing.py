@@ -151,7 +151,11 @@ def would_rest(e: Engine, g: Landings) -> bool:
             tell_no_solution(e, g)
         return False
     hold_chosen(m, g, True)
+    # modes around a surface have the branches of this trial, not those that were chosen before it
+    branches = e.slide.branches
+    e.slide.branches = 0
     found = find_rest(e, g, e.t, g.state)
+    e.slide.branches = branches
     hold_chosen(m, g, False)
     if found != OK:
         if m.tells != 0:
@@ -181,7 +185,8 @@ def would_rest(e: Engine, g: Landings) -> bool:
 def hold_chosen(m: Model, g: Landings, on: bool) -> None:
     """Let the chosen contacts be held as where they have landed: what leads there does not lead on.
 
-    They may follow machines that others follow where these slide.
+    They may follow machines that others follow where these slide. None has landed before: what has
+    is not struck.
     """
     for k in range(g.touches):
         contact = g.touch_contact[k]
@@ -291,6 +296,7 @@ def lie_down(e: Engine, g: Landings, s: Settling, i: Instant) -> int:
     copy_floats(m.storages, g.x, e.y)
     copy_part(m.integrals, g.s, 0, e.y, m.storages)
     copy_places(m.machines, g.state, 0, e.state, 0)
+    e.slide.branches = 0
     if carry_over(e, g) != OK:
         return -1
     if m.tells != 0:

@@ -2,7 +2,7 @@
 
 What a clock compares is the same whatever the motion does. Where a hundred carriers switch as many
 legs an event of one of them is none of the others: each is looked for alone, from where it is asked
-first to the end of the step that it is asked in, which may be far behind the next event.
+first to the end of the step that it is asked in, which may be far beyond the next event.
 """
 
 from __future__ import annotations
@@ -73,5 +73,6 @@ def find_next(e: Engine, g: Locator, k: int) -> bool:
     g.at = at
     g.about = about
     g.rough = rough
-    g.failed = g.failed and found
+    # what has no value somewhere is asked again with the others, where that is told
+    g.failed = False
     return found

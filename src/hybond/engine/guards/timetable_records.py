@@ -16,7 +16,8 @@ TIME_SLOT: Final = 0
 class Timetable:
     """Of each rule: whether time `alone` decides it, and what is known of it.
 
-    It does not hold from `since` to `until`, which is when it comes to, if it `holds` there.
+    It does not hold from `since` to `until`, which is when it comes to, if it `holds` there. A run
+    that goes on from a state finds it anew.
     """
 
     any_alone: bool

@@ -189,7 +189,7 @@ class Mode:
     """By what each of these is more than it was rounded to."""
     power_frees: int
     eliminated: int
-    """How often its rows have been."""
+    """How often its rows have been eliminated."""
     finite_frees: int
     free_column: Ints
     bent: bool

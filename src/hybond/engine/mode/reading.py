@@ -60,8 +60,8 @@ def read_guard(m: Model, mode: Mode, r: Reads, rule: int) -> None:
 def note_plain(m: Model, mode: Mode, r: Reads) -> None:
     """Note whether all that is read is known without Newton: no unknown has part in it.
 
-    So it is where all laws only say what they give. Where one is solved for what it reads there may
-    be no solution, which is a thing to be told; and what its root is taken of may be put level.
+    Laws that are solved for what they read have Newton tell where there is no solution, and what
+    roots are taken of may be put level beside others: those are not plain.
     """
     r.plain = mode.dynamics > 0 and m.edge_bonds == 0 and m.level_pairs == 0
     r.plain_of = mode.eliminated

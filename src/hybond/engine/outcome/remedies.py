@@ -169,7 +169,7 @@ def beside_folds(graph: FlatGraph) -> str:
     found = [
         n.path
         for n in graph.nodes
-        if n.kind in ("Se", "Sf") and n.law is not None and any(map(_bends, n.law.expressions))
+        if _binds(graph, n) and n.law is not None and any(map(_bends, n.law.expressions))
     ]
     if not found:
         return ""
@@ -178,6 +178,23 @@ def beside_folds(graph: FlatGraph) -> str:
         f"; where what {paths} gives rises as fast as that of the storage it is bound to, no "
         "solution goes on: put a resistance between them"
     )
+
+
+def _binds(graph: FlatGraph, node: Node) -> bool:
+    """Whether a source gives what a storage beside it has: an effort at a C, a flow at an I."""
+    if node.kind not in ("Se", "Sf"):
+        return False
+    common, storage = ("0", "C") if node.kind == "Se" else ("1", "I")
+    for end in node.ends:
+        bond = graph.bonds[end.bond]
+        other = graph.nodes[bond.tail if bond.head == node.index else bond.head]
+        beside = [other]
+        if other.kind == common:
+            ends = (graph.bonds[e.bond] for e in other.ends)
+            beside += [graph.nodes[k] for b in ends for k in (b.tail, b.head)]
+        if any(n.kind == storage for n in beside):
+            return True
+    return False
 
 
 def _bends(law: Expr) -> bool:

@@ -70,7 +70,7 @@ class Stretch:
         return found
 
     def steps(self, values: Matrix) -> Matrix:
-        """Return what is of the steps that end at points; where a segment begins none does."""
+        """Return values of the steps that end at points, put to 0 where a segment begins."""
         values[..., self.begins] = 0.0
         return values
 
@@ -120,7 +120,10 @@ def sizes_of(trace: Trace) -> Vector:
 def _together(
     block: Block | None, numbers: Places, wide: int, rooted: bool
 ) -> Iterator[tuple[int, int]]:
-    """Yield from where to where segments of a block are read at once."""
+    """Yield from where to where segments of a block are read at once.
+
+    Where laws have several solutions each segment is followed by that which the run took.
+    """
     if block is None or rooted:
         yield from ((k, k + 1) for k in range(len(numbers)))
         return

@@ -185,8 +185,9 @@ class Slide:
     met: int
     met_surface: Ints
     first_met: Ints
-    first_many: int
     """Those met before any of them was left out."""
+    first_many: int
+    """How many; without what would strike a contact, once that is seen."""
     twin: Ints
     """Of each surface: 1 + that met in its place if the machines of both move something, or 0."""
     sides: Ints
