@@ -89,4 +89,17 @@ def mark_roots(e: Engine, g: Locator, a: int, end: float, asked: bool) -> None:
                 keep_sides(g, g.mark.at[i - 1], at, g.mark.at[i])
                 keep(g.candidate, at)
         before = there
+    if asked and many > 1 and g.mark.at[many - 1] < end:
+        mark_end(e, g, a, g.mark.at[many - 2], g.mark.at[many - 1])
     sort(g.mark)
+
+
+def mark_end(e: Engine, g: Locator, a: int, low: float, high: float) -> None:
+    """Mark what is just before the last of these, where the comparison has a root: a clock's edge.
+
+    What holds up to there would be passed over, as a saw is back at nothing then.
+    """
+    there = atom_at(e, g, a, high)
+    away = BESIDE * spacing(high)
+    if high - away > low and math.fabs(there) <= math.fabs(atom_at(e, g, a, high - away) - there):
+        keep_sides(g, low, high, high)
