@@ -23,10 +23,10 @@ from part_sheets import SHARE_SHEETS
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """Which of several processes this is: gw0, gw1, ..."""
 LARGE_GRID = 8
-"""Cases from which on an eighth of a grid is kept."""
+"""Cases from which on a 24th of a grid is kept."""
 
 SMALL_GRID = 6
-"""Cases from which on a third of it is: of two by two that would be one diagonal, on which neither
+"""Cases from which on a sixth of it is: of two by two that would be one diagonal, on which neither
 axis is told from the other."""
 
 LONG_LIST = 4
@@ -103,10 +103,10 @@ def sample(items: list[pytest.Item]) -> None:
     """Of a test with many cases keep some; the rest are slow.
 
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
-    ``parametrize`` make, it keeps a sixteenth, and of a small one a fourth, in which the values of
+    ``parametrize`` make, it keeps a 24th, and of a small one a sixth, in which the values of
     each come about as often as each other. Those are at least as many as its longest axis has
     values, but for one that is marked. Of a long list it keeps the first and from the second on
-    every fourth one, of one as long as a large grid every eighth.
+    every sixth one, of one as long as a large grid every twelfth.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -122,10 +122,10 @@ def sample(items: list[pytest.Item]) -> None:
             if is_grid(lengths_of(found), found) and many < len(found):
                 kept = balanced(lengths_of(found), many)
         elif is_grid(lengths_of(found), found) and len(found) >= SMALL_GRID:
-            many = -(-len(found) // (16 if len(found) >= LARGE_GRID else 4))
+            many = -(-len(found) // (24 if len(found) >= LARGE_GRID else 6))
             kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
         else:
-            every = 8 if len(found) >= LARGE_GRID else 4 if len(found) >= LONG_LIST else 1
+            every = 12 if len(found) >= LARGE_GRID else 6 if len(found) >= LONG_LIST else 1
             # the second too: of solvers it is the other kind
             kept = {0, *range(1, len(found), every)}
         for k, item in enumerate(found):
@@ -134,14 +134,14 @@ def sample(items: list[pytest.Item]) -> None:
 
 
 def take_a_few(items: list[pytest.Item]) -> None:
-    """Of the slow tests of what a run does, let one in 128 be none, always the same ones.
+    """Of the slow tests of what a run does, let one in 192 be none, always the same ones.
 
     Which these are is by a checksum of their names: cases that no pattern of a grid chooses. A test
     that is marked ``sampled(n)`` has the n that it wants already.
     """
     for item in items:
         slow = next((m for m in item.own_markers if m.name == "slow"), None)
-        chosen = zlib.crc32(item.nodeid.encode()) % 128 == 0
+        chosen = zlib.crc32(item.nodeid.encode()) % 192 == 0
         dear = getattr(item, "originalname", "") in DEAR or item.get_closest_marker("sampled")
         dear = dear or any(m.name in COMPILED for m in item.iter_markers())
         if slow and chosen and not dear and RUNS & {*item.path.parts}:
