@@ -31,6 +31,8 @@ axis is told from the other."""
 
 LONG_LIST = 4
 """Cases of one list from which on it is sampled."""
+FEWEST = 4
+"""Cases of a grid that are kept at the least, if its longest axis has as many values."""
 
 RUNS = {"engine", "cases", "simulation", "property", "model"}
 """Folders of tests whose slow ones are run in part."""
@@ -105,7 +107,7 @@ def sample(items: list[pytest.Item]) -> None:
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
     ``parametrize`` make, it keeps a 24th, and of a small one a sixth, in which the values of
     each come about as often as each other. Those are at least as many as its longest axis has
-    values, but for one that is marked. Of a long list it keeps the first and from the second on
+    values, or four, but for one that is marked. Of a long list it keeps the first and from the second on
     every sixth one, of one as long as a large grid every twelfth.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
@@ -123,7 +125,7 @@ def sample(items: list[pytest.Item]) -> None:
                 kept = balanced(lengths_of(found), many)
         elif is_grid(lengths_of(found), found) and len(found) >= SMALL_GRID:
             many = -(-len(found) // (24 if len(found) >= LARGE_GRID else 6))
-            kept = balanced(lengths_of(found), max(many, *lengths_of(found)))
+            kept = balanced(lengths_of(found), max(many, min(FEWEST, max(lengths_of(found)))))
         else:
             every = 12 if len(found) >= LARGE_GRID else 6 if len(found) >= LONG_LIST else 1
             # the second too: of solvers it is the other kind
