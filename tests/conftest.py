@@ -107,8 +107,8 @@ def sample(items: list[pytest.Item]) -> None:
     Marked ``sampled(n)`` it keeps n, spread over all. Of a large grid, which several
     ``parametrize`` make, it keeps a 24th, and of a small one a sixth, in which the values of
     each come about as often as each other. Those are at least as many as its longest axis has
-    values, or four, but for one that is marked. Of a long list it keeps the first and from the second on
-    every sixth one, of one as long as a large grid every twelfth.
+    values, or four, but for one that is marked. Of a long list it keeps the first and from the
+    second on every sixth one, of one as long as a large grid every twelfth.
     """
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
