@@ -113,7 +113,9 @@ def may_rest(e: Engine, g: Locator, k: int) -> bool:
     """Whether guard k is one of a machine written by hand, and is not seen at once to cross."""
     if g.rule[k] < 0 or g.part[k] >= 0 or g.side[k] != NO_KINK or not is_by_hand(e, g.rule[k]):
         return False
-    return g.foreseen[k] == 0 and (g.solved[k] == 0 or not crosses_clearly(e, g, k))
+    if g.foreseen[k] != 0 and e.timetable.until[g.rule[k]] > g.at:
+        return False  # what time alone decides is known not to hold yet
+    return g.solved[k] == 0 or not crosses_clearly(e, g, k)
 
 
 def crosses_clearly(e: Engine, g: Locator, k: int) -> bool:
