@@ -10,7 +10,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import hybond as hb
+from hybond.engine.engine import Engine
 from hybond.engine.mode import solving
+from hybond.engine.mode.mode_records import Mode
+from hybond.engine.words import Floats
 
 MASS, LOSS, CAPACITY, LEAK = 50.0, 2e3, 1e-4, 1e4
 
@@ -80,7 +83,7 @@ def test_where_a_flow_turns_is_asked_without_solving_for_losses(
     solved = 0
     by_newton = solving.by_newton
 
-    def counted(e, mode, v):  # type: ignore[no-untyped-def]
+    def counted(e: Engine, mode: Mode, v: Floats) -> int:
         nonlocal solved
         solved += 1
         return by_newton(e, mode, v)

@@ -11,7 +11,9 @@ import math
 import pytest
 
 import hybond as hb
+from hybond.engine.engine import Engine
 from hybond.engine.guards import guard_shape
+from hybond.engine.guards.locator import Locator
 
 UNTIL = 0.5
 
@@ -75,7 +77,7 @@ def test_what_one_compares_is_not_sampled_for_the_others(
     asked = 0
     test_here = guard_shape.test_here
 
-    def counted(e, g, k):  # type: ignore[no-untyped-def]
+    def counted(e: Engine, g: Locator, k: int) -> bool:
         nonlocal asked
         asked += 1
         return test_here(e, g, k)
