@@ -14,6 +14,7 @@ from typing import Final
 from hybond.engine.engine import OK, Engine
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.bracket import bracket
+from hybond.engine.guards.far_guards import is_idle
 from hybond.engine.guards.guard_values import (
     atom_here,
     holds_at,
@@ -33,8 +34,14 @@ PAST_IT: Final = 1e-3
 UNTOLD: Final = 8.0
 """Times its rounding within which a comparison is not told from equality: what is the edge of one
 expression of a quantity is just outside of that of another."""
+ASKED: Final = 1
+"""A guard that rounding alone keeps from holding, as far as it was looked."""
 HELD: Final = 2
-"""A guard that holds where the instant was found."""
+"""One that holds where the instant was found."""
+FOUND: Final = 3
+"""One that holds where it is looked."""
+PASSED: Final = 4
+"""One of which it is known when it begins to hold, or that it does not."""
 FARTHER: Final = 4.0
 """How many times as far it is looked next."""
 
@@ -50,7 +57,7 @@ def past_rounding(e: Engine, g: Locator, t: float, room: float, end: float) -> f
         return t
     look(e, g, t)
     for k in range(g.guards):
-        g.done[k] = 1 if is_within(e, g, k) else 0
+        g.done[k] = ASKED if is_within(e, g, k) and not stays(e, g, k, top) else 0
     ask_done(e, g, t, False)
     found = False
     for k in range(g.guards):
@@ -63,14 +70,17 @@ def past_rounding(e: Engine, g: Locator, t: float, room: float, end: float) -> f
 def last_within(e: Engine, g: Locator, t: float, room: float, top: float) -> float:
     """Return the last instant up to `top` at which one of those in `g.done` begins to hold."""
     longest = e.step.t1
-    last = t
     for k in range(g.guards):
         if g.done[k] == 0 and g.side[k] == NO_KINK and holds_at(e, g, k, t):
             g.done[k] = HELD
-    for k in range(g.guards):
-        if g.done[k] == 1 and not g.failed:
-            there = first_after(e, g, k, t, room, top)
-            last = max(last, bracket(e, g, k, t, there) if there > t else t)
+    last = t
+    away = room
+    while away > 0.0 and not g.failed:
+        at = min(t + away, top)
+        if not reaches(e, g, at):
+            break
+        last = max(last, last_up_to(e, g, t, at))
+        away = FARTHER * away if at < top and any_asked(g) else 0.0
     # the energy that rounding is measured by is not the same to the last digit where it is settled
     last = min(last + PAST_IT * (last - t), max(e.step.t1, last))
     if last > t and not g.failed and not changes_others(e, g, last):
@@ -78,6 +88,46 @@ def last_within(e: Engine, g: Locator, t: float, room: float, top: float) -> flo
     if e.step.t1 != longest:
         g.failed = make_to(e, g, longest) != OK or g.failed
     return t
+
+
+def last_up_to(e: Engine, g: Locator, t: float, at: float) -> float:
+    """Return the last instant at which one of those asked begins to hold, of those found at `at`.
+
+    `t` if there is none. All are looked at there before one is looked at elsewhere.
+    """
+    for k in range(g.guards):
+        if g.done[k] == ASKED and not g.failed:
+            if holds_at(e, g, k, at):
+                g.done[k] = FOUND
+            elif not is_within(e, g, k):
+                g.done[k] = PASSED
+    last = t
+    for k in range(g.guards):
+        if g.done[k] == FOUND and not g.failed:
+            last = max(last, bracket(e, g, k, t, at))
+            g.done[k] = PASSED
+    return last
+
+
+def any_asked(g: Locator) -> bool:
+    """Whether one is left that rounding alone keeps from holding."""
+    found = False
+    for k in range(g.guards):
+        found = found or g.done[k] == ASKED
+    return found
+
+
+def reaches(e: Engine, g: Locator, at: float) -> bool:
+    """Whether steps go on to there, as far as their errors let them, and over no kink."""
+    before = e.step.t1
+    if at <= before:
+        return True
+    if e.model.slide_kinks > 0 or make_to(e, g, at) != OK:
+        return False
+    if e.step.off > 1.0 or passes_kink(e, g, at):
+        g.failed = make_to(e, g, before) != OK
+        return False
+    return not g.failed
 
 
 def make_to(e: Engine, g: Locator, end: float) -> int:
@@ -102,26 +152,9 @@ def is_within(e: Engine, g: Locator, k: int) -> bool:
     return g.atom_first[k + 1] > g.atom_first[k]
 
 
-def first_after(e: Engine, g: Locator, k: int, t: float, room: float, top: float) -> float:
-    """Return an instant up to `top` at which a guard holds that is within rounding till then.
-
-    `t` if there is none. Steps go on to there, as far as their errors let them, and over no kink.
-    """
-    away = room
-    while True:
-        at = min(t + away, top)
-        if at > e.step.t1:
-            before = e.step.t1
-            if e.model.slide_kinks > 0 or make_to(e, g, at) != OK:
-                return t
-            if e.step.off > 1.0 or passes_kink(e, g, at):
-                g.failed = make_to(e, g, before) != OK
-                return t
-        if holds_at(e, g, k, at):
-            return at
-        if g.failed or at == top or not is_within(e, g, k):
-            return t
-        away = FARTHER * away
+def stays(e: Engine, g: Locator, k: int, top: float) -> bool:
+    """Whether nothing moves of what a guard compares up to there, or next to nothing."""
+    return top <= e.step.t1 and g.still[k] != 0 and is_idle(e, g, k)
 
 
 def passes_kink(e: Engine, g: Locator, t: float) -> bool:
@@ -138,7 +171,7 @@ def changes_others(e: Engine, g: Locator, last: float) -> bool:
     Which of them hold before is known: of a longer step rounding may say something else there.
     """
     for k in range(g.guards):
-        if g.side[k] == NO_KINK and g.done[k] != 1:
+        if g.side[k] == NO_KINK and (g.done[k] == 0 or g.done[k] == HELD):
             held = holds_at(e, g, k, last)
             if held != (g.done[k] == HELD):
                 return True

@@ -144,6 +144,8 @@ def rooted(e: Expr) -> list[Expr]:
     >>> from hybond.model.expressions import parse
     >>> [str(a) for a in rooted(parse("sign(q)*sqrt(abs(q)/2) + abs(p - 1)^0.5 + abs(x)^2"))]
     ['q', 'p - 1']
+    >>> rooted(parse("q/sqrt(sqrt(q^2 + 1e-4))"))
+    []
     """
     found: list[Expr] = []
     for part, _ in walk(e):
@@ -154,6 +156,8 @@ def rooted(e: Expr) -> list[Expr]:
                 under = left
             case _:
                 continue
+        if _is_positive(under):
+            continue
         sizes = [p.args[0] for p, _ in walk(under) if isinstance(p, Call) and p.function == "abs"]
         found += sizes or [under]
     return [e for e in dict.fromkeys(found) if names(e)]
@@ -247,7 +251,7 @@ def _is_magnitude(e: Expr) -> bool:
     match e:
         case Number(value):
             return not is_slotted(value) and value >= 0.0
-        case Call(function="abs") | Binary("^", _, Number(2.0)):
+        case Call(function="abs" | "sqrt" | "exp" | "cosh") | Binary("^", _, Number(2.0)):
             return True
         case Call(function="max"):
             return any(_is_magnitude(a) for a in e.args)
@@ -257,6 +261,32 @@ def _is_magnitude(e: Expr) -> bool:
             return _is_magnitude(left) and not is_slotted(value) and value > 0.0
         case Binary("+", left, right):
             return _is_magnitude(left) and _is_magnitude(right)
+    return False
+
+
+def _is_positive(e: Expr) -> bool:
+    """Whether an expression is above zero by its form: sums of squares with a number, roots of them.
+
+    Of a parameter nobody knows.
+    """
+    match e:
+        case Number(value):
+            return not is_slotted(value) and value > 0.0
+        case Call(function="exp" | "cosh"):
+            return True
+        case Call(function="sqrt"):
+            return _is_positive(e.args[0])
+        case Call(function="max"):
+            return any(_is_positive(a) for a in e.args)
+        case Call(function="min"):
+            return all(_is_positive(a) for a in e.args)
+        case Binary("+", left, right):
+            one = _is_positive(left) or _is_positive(right)
+            return one and _is_magnitude(left) and _is_magnitude(right)
+        case Binary("*" | "/", left, right):
+            return _is_positive(left) and _is_positive(right)
+        case Binary("^", left, Number()):
+            return _is_positive(left)
     return False
 
 
