@@ -20,6 +20,9 @@ from hybond.model.kinds import KINDS
 from hybond.model.parts import InputPart, Integral, Part, Sampled, SubmodelPart, Value
 from hybond.names import did_you_mean, join, steps
 
+_OF_A_RUN = frozenset({"until", "solver", "rtol", "atol", "step"})
+"""What is told to a run, and is often taken for a parameter."""
+
 
 def with_parts(model: Model, given: Mapping[str, Value]) -> tuple[Model, dict[str, Value]]:
     """Return a copy of a model with its parts set, and what of `given` is no part.
@@ -72,7 +75,11 @@ def settable_like(model: Model, wrong: str) -> str:
     >>> m.add(c=hb.C("1 mF"))
     >>> settable_like(m, "c")
     "did you mean 'c.C', 'c.q', 'c.e'?"
+    >>> settable_like(m, "until")
+    'until is told to the run: --until, or simulate(..., until=...)'
     """
+    if wrong in _OF_A_RUN:
+        return f"{wrong} is told to the run: --{wrong}, or simulate(..., {wrong}=...)"
     paths = list(settable(model))
     under = [p for p in paths if p.rpartition(".")[0] == wrong]
     if under:

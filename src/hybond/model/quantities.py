@@ -36,6 +36,8 @@ _LETTERS = {
     ("thermal_pseudo", "Q"): "f",
 }
 """Capital letters: small ones mean something else here."""
+_OWN = {("C", "q"): "e", ("I", "p"): "f"} | {(r, x): y for r in "RG" for x, y in ("fe", "ef")}
+"""What an element makes of a variable of its own, of its kind and that."""
 _POWER = ("power", "pow", "watt", "watts")
 
 
@@ -98,3 +100,29 @@ def called_otherwise(text: str, node: Node, known: Collection[str]) -> str:
     if len(node.ends) > 1 and not node.is_junction:
         return f"{owner} has {len(node.ends)} ports: {owner}.1.{variable}, {owner}.2.{variable}"
     return ""
+
+
+def made_of_its_own(text: str, where: str) -> str:
+    """Return the remedy for a value of an element that reads a variable of the same element.
+
+    Parameters
+    ----------
+    text : str
+        What is not known.
+    where : str
+        The place of the value, such as ``elements.spring.C``.
+
+    Returns
+    -------
+    str
+        Nothing where that is no value of an element, or no variable of its own.
+
+    Examples
+    --------
+    >>> made_of_its_own("q", "elements.spring.C")
+    'a law in q of the element itself says what it makes: {"e": "..."}'
+    """
+    room, _, kind = where.rpartition(".")
+    made = _OWN.get((kind, text), "") if room.startswith("elements.") else ""
+    law = f'{{"{made}": "..."}}'
+    return f"a law in {text} of the element itself says what it makes: {law}" if made else ""

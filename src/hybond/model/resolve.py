@@ -39,7 +39,7 @@ from hybond.model.expressions.tree import any_kind, extent, with_children
 from hybond.model.graph import Bond, Node, Storage, Watch
 from hybond.model.hierarchy import Opened, Scope
 from hybond.model.indices import MAX_NODES, gathered, gathers, no_member, of_an_array, one
-from hybond.model.quantities import called_otherwise
+from hybond.model.quantities import called_otherwise, made_of_its_own
 from hybond.model.spelled import as_written
 from hybond.names import did_you_mean, join, port_number
 from hybond.units import Dimension
@@ -207,7 +207,7 @@ class Resolver:
                 f"{text!r} is not known here",
                 code="HB-M120",
                 where=where,
-                hint=self._instead_of(text, path, scope),
+                hint=made_of_its_own(text, where) or self._instead_of(text, path, scope),
             )
         return found
 
