@@ -265,7 +265,7 @@ def _is_magnitude(e: Expr) -> bool:
 
 
 def _is_positive(e: Expr) -> bool:
-    """Whether an expression is above zero by its form: sums of squares with a number, roots of them.
+    """Whether an expression is above zero by its form, as sums of squares and a number.
 
     Of a parameter nobody knows.
     """
