@@ -28,3 +28,22 @@ def test_it_is_found(
     (event,) = [e for e in run.events if e.cause != "start"]
     assert event.steps[-1].mode == (1,)
     assert event.t == pytest.approx(edge, rel=1e-12)
+
+
+@pytest.mark.parametrize("duty", [0.5, 0.25, 0.9])
+@pytest.mark.parametrize("period", [0.1, 0.3, 1e-3])
+@pytest.mark.parametrize("periods", [1, 2, 4, 7, 10, 15])
+def test_its_edge_is_found_at_the_end(periods: int, period: float, duty: float) -> None:
+    """Rounding alone keeps what is compared below zero there, in half of the runs."""
+    m = hb.Model("edge", domain="electrical")
+    m.add(V=hb.Se(1.0), j=hb.One(), R=hb.R(1.0), C=hb.C(0.1))
+    m.bond("V -> j", "j -> R", "j -> C")
+    saw, edge = f"mod(time, {period!r})", duty * period
+    rules = [f"off -> on when {saw} >= {edge!r}", f"on -> off when {saw} < {edge!r}"]
+    m.machine("k", states={"off": [], "on": ["j"]}, start="off", rules=rules)
+    end = period * periods + edge
+    run = hb.simulate(m, end)
+    times = [e.t for e in run.events if e.cause != "start"]
+    expected = [period * k + part for k in range(periods + 1) for part in (edge, period)]
+    assert times == pytest.approx(expected[:-1], rel=1e-12)
+    assert run.events[-1].steps[-1].mode == (1,)

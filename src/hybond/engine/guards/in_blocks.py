@@ -6,6 +6,7 @@ A block whose samples do not show what a comparison does is halved.
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hybond.engine.engine import OK, REFUSED, Engine
 from hybond.engine.guards.bracket import bracket
@@ -24,6 +25,9 @@ from hybond.engine.guards.locator import (
     is_sampled,
 )
 from hybond.engine.guards.turns import between_turns, mark_turns
+
+NOTHING: Final = 1e-9
+"""Part of what a comparison is elsewhere in a block that rounding may make zero."""
 
 
 def look_in_blocks(e: Engine, g: Locator) -> int:
@@ -87,6 +91,21 @@ def first_of_block(e: Engine, g: Locator) -> None:
             return
 
 
+def ends_at_zero(g: Locator, first: int, stop: int) -> bool:
+    """Whether one of these comparisons is next to nothing where the block ends.
+
+    Rounding may make it zero there, with which the guard holds; its sign does not tell.
+    """
+    for a in range(first, stop):
+        at = a * SAMPLES
+        most = 0.0
+        for i in range(SAMPLES):
+            most = max(most, math.fabs(g.shape[at + i]))
+        if math.fabs(g.shape[at + SAMPLES - 1]) <= NOTHING * most:
+            return True
+    return False
+
+
 def of_rule(e: Engine, g: Locator, k: int, before: float) -> float:
     """Return the first instant of the block at which guard k holds, infinity if none.
 
@@ -104,6 +123,8 @@ def of_rule(e: Engine, g: Locator, k: int, before: float) -> float:
     for i in range(1, SAMPLES):
         if g.truth[k * SAMPLES + i] != 0:
             keep(c, g.t[i])
+    if ends_at_zero(g, first, stop):
+        keep(c, g.t[SAMPLES - 1])
     turned = mark_turns(e, g, k, end)
     for a in range(first, stop):
         begin = c.count
