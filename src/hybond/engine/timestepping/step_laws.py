@@ -317,6 +317,9 @@ def keep_idle_branches(e: Engine, s: Stepping, c: Coupled) -> None:
             either = math.fabs(w) <= dust and own * s.l[k] <= dust
         p.open[k] = 1 if either else 0
         if either:
+            if p.role[k] == ONE_SIDED:
+                # nothing, and by rounding not less: where all ways are tried it may be that
+                s.l[k] = max(s.l[k], 0.0)
             rests = e.model.port_breakaway[k] != NO_LAW_VALUE and p.role[k] == TWO_SIDED
             s.branch[k] = 0 if rests and e.model.port_planar[k] == 0 else r.start[k]
 
