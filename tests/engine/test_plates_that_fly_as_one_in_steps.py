@@ -99,7 +99,7 @@ def by_hand(v: dict[str, float], h: float, steps: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("reverse", [False, True])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_plates_fly_as_one(seed: int, reverse: bool) -> None:
     r = np.random.default_rng(seed)
     size = float(10.0 ** r.uniform(-2, 2))
