@@ -3,13 +3,15 @@
 Along its slope a limit `max(x, 0)` is less than nothing behind the corner, which no friction keeps.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import hybond as hb
 
-LIMITS = {
+LIMITS: dict[str, Callable[[float, float, float], float]] = {
     "max(e.f^2 - {c}^2, 0)*{k}/{c}^2": lambda w, c, k: max(w * w / c**2 - 1, 0) * k,
     "max(we.f - {c}, 0)*{k}/{c}": lambda w, c, k: max(w / c - 1, 0) * k,
     "(abs(we.f - {c}) + we.f - {c})*{k}/{c}": lambda w, c, k: 2 * max(w / c - 1, 0) * k,
@@ -66,7 +68,7 @@ def test_a_clutch_lets_go_within_a_step(limit: str, turned: bool, size: float) -
         assert run.audit().holds()
         errors.append(
             max(
-                np.max(np.abs(np.asarray(run[name].at(times)) - true[i]))
+                np.max(np.abs(np.asarray(run[name].at(times.tolist())) - true[i]))
                 for i, name in enumerate(["we.f", "wl.f"])
             )
         )
@@ -74,4 +76,4 @@ def test_a_clutch_lets_go_within_a_step(limit: str, turned: bool, size: float) -
     assert errors[1] < 0.4 * errors[0]
     located = hb.simulate(m, until=4.0, solver="radau" if turned else "auto")
     for i, name in enumerate(["we.f", "wl.f"]):
-        assert np.max(np.abs(located[name].at(times) - true[i])) < 1e-6 * speed
+        assert np.max(np.abs(located[name].at(times.tolist()) - true[i])) < 1e-6 * speed

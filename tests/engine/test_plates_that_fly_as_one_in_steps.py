@@ -124,6 +124,6 @@ def test_plates_fly_as_one(seed: int, reverse: bool) -> None:
     times = h * np.arange(1, steps + 1) * (1 - 1e-12)
     hand = by_hand(v, h, steps)
     for i, name in enumerate(["x1.f", "x2.f", "y1.f", "y2.f"]):
-        error = np.abs(run[name].at(times) - hand[:, i])
+        error = np.abs(run[name].at(times.tolist()) - hand[:, i])
         scale = np.max(np.abs(hand))
         assert np.mean(error) < 0.01 * scale, name
