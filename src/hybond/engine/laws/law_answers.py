@@ -69,6 +69,8 @@ def linearise_limit(e: Engine, r: Laws, k: int, at_rest: bool) -> None:
         for j in range(n):
             p.slope[k * n + j] = 0.0
     p.sloped[k] = 1 if m.limit_first[row + 1] > m.limit_first[row] else 0
+    if r.limits_held and m.port_affine[k] == 0:
+        return
     for i in range(m.limit_first[row], m.limit_first[row + 1]):
         law = m.limit_slope[i]
         slope = m.limit_slope_constant[i] if law < 0 else value(m, law, r.later)

@@ -182,6 +182,8 @@ class Laws:
     closer: Closer
     closely: bool
     """Whether the step is lost in the rounding of what acts at once."""
+    limits_held: bool
+    """Whether limits that bend are taken as they are, and not along their slopes."""
     svd: Svd
     block: Floats
     basis: Floats

@@ -317,8 +317,17 @@ def keep_idle_branches(e: Engine, s: Stepping, c: Coupled) -> None:
             either = math.fabs(w) <= dust and own * s.l[k] <= dust
         p.open[k] = 1 if either else 0
         if either:
+            if p.role[k] == ONE_SIDED:
+                # nothing, and by rounding not less: where all ways are tried it may be that
+                s.l[k] = max(s.l[k], 0.0)
             rests = e.model.port_breakaway[k] != NO_LAW_VALUE and p.role[k] == TWO_SIDED
             s.branch[k] = 0 if rests and e.model.port_planar[k] == 0 else r.start[k]
+    for k in range(n):
+        if p.open[k] != 0 and p.role[k] == TWO_SIDED and p.common[k] == 0:
+            # at rest at its limit, and by rounding not beyond it
+            most = limit_of(s, p, k)
+            if e.model.port_planar[k] == 0:
+                s.l[k] = max(-most, min(most, s.l[k]))
 
 
 def keeps_laws(e: Engine, s: Stepping, c: Coupled) -> bool:

@@ -9,13 +9,14 @@ import math
 from typing import Final
 
 from hybond.engine.algebra.products import copy_floats, copy_part
+from hybond.engine.complementarity.law_roles import TWO_SIDED
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.jumps.jump import enter_mode
 from hybond.engine.laws.law_records import Ports
 from hybond.engine.laws.ports import open_mode, solve_with
 from hybond.engine.mode.mode_records import is_constrained
 from hybond.engine.timestepping.matrices import NEARBY, find_slopes, implicit
-from hybond.engine.timestepping.step_laws import close_half_way, solve_step_laws
+from hybond.engine.timestepping.step_laws import close_half_way, no_end, solve_step_laws
 from hybond.engine.timestepping.step_records import Coupled, Stepping
 from hybond.engine.timestepping.step_sizes import measure_rounding, measure_step
 
@@ -102,6 +103,7 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
     first = True
     of_step = not c.known
     near = NEARBY
+    held = False
     for turn in range(NEWTON_ROUNDS):
         # what levers share depends on how they stand, and slopes of an earlier step do not say that
         stands = c.still <= 0 or first or (of_step and last <= NEAR_END)
@@ -130,12 +132,15 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
         for k in range(m.ports):
             s.free[k] = s.l[k]
             s.doubt[k] = 0.0
+        held = False
         if solve_step_laws(e, s, p, c, s.base, False) != OK:
-            if of_step:
+            if not of_step:
+                begin_anew(e, s, c)
+                last = math.inf
+                continue
+            if hold_limits(e, s, p, c) != OK:
                 return REFUSED
-            begin_anew(e, s, c)
-            last = math.inf
-            continue
+            held = True
         before = last if of_step and not projected and turn >= PATIENT_ROUNDS else math.inf
         update = advance_newton(e, s, p, c, before, turn >= PATIENT_ROUNDS)
         if near < NEARBY:
@@ -172,7 +177,28 @@ def newton_step_of(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
                 update = math.inf
         last = update
     c.known = False
-    return no_convergence(e)
+    return no_end(e, False) if held else no_convergence(e)
+
+
+def hold_limits(e: Engine, s: Stepping, p: Ports, c: Coupled) -> int:
+    """Solve the laws of an iteration once more, with limits that bend as they are at its beginning.
+
+    Along its slope a limit `max(x, 0)` may be less than nothing where the iteration ends, which no
+    friction keeps. Where iterations end, limits are what they are there, along slopes or not.
+    """
+    m = e.model
+    r = e.laws
+    bends = False
+    for k in range(m.ports):
+        bends = bends or (r.role[k] == TWO_SIDED and m.port_affine[k] == 0)
+    if not bends:
+        return REFUSED
+    for k in range(m.ports):
+        s.l[k] = s.free[k]
+    r.limits_held = True
+    found = solve_step_laws(e, s, p, c, s.base, False)
+    r.limits_held = False
+    return found
 
 
 def near_of(s: Stepping, c: Coupled, turn: int) -> float:
