@@ -34,14 +34,14 @@ def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
     leakage made it of, and the value itself.
     """
     first = e.model.bond_slot
-    if mode.finite_frees > 0:
+    listed = mode.finite_frees > 0
+    begin = mode.share_first.at[b] if listed else 0
+    end = mode.share_first.at[b + 1] if listed else 0
+    if end > begin:
         solved_sizes(e, mode, xi, v)
     size = row_size(mode.finite, mode.same[b], xi) + of_fields(e.model, mode, mode.same[b], v)
     at = b * mode.finite_frees
-    listed = mode.finite_frees > 0
-    for p in range(
-        mode.share_first.at[b] if listed else 0, mode.share_first.at[b + 1] if listed else 0
-    ):
+    for p in range(begin, end):
         j = mode.share_of.at[p]
         size += math.fabs(mode.finite_free.at[at + j]) * mode.free_size.at[j]
     if mode.dynamics == 0 and mode.leakage.stages > 0:
