@@ -15,15 +15,15 @@ MANY = 60
 
 def rod(start: list[float], *, radiates: bool = False, back: bool = False) -> hb.Model:
     """Return a rod of parts with insulated ends, which may radiate to 300 K."""
-    m = hb.Model("rod")
+    m, parts = hb.Model("rod"), len(start)
     for i, level in enumerate(start):
-        m.add({f"c{i}": hb.C(1.0 / MANY, e=level), f"n{i}": hb.Zero()})
+        m.add({f"c{i}": hb.C(1.0 / parts, e=level), f"n{i}": hb.Zero()})
         m.bond(f"n{i} -> c{i}")
         if radiates:
-            m.add({f"a{i}": hb.R({"f": f"5.67e-8/{MANY}*(e^4 - 300^4)"})})
+            m.add({f"a{i}": hb.R({"f": f"5.67e-8/{parts}*(e^4 - 300^4)"})})
             m.bond(f"n{i} -> a{i}")
-    for i in range(1, MANY):
-        m.add({f"j{i}": hb.One(), f"r{i}": hb.R(1.0 / MANY)})
+    for i in range(1, parts):
+        m.add({f"j{i}": hb.One(), f"r{i}": hb.R(1.0 / parts)})
         m.bond(f"n{i - 1} -> j{i} -> n{i}", f"r{i} -> j{i}" if back else f"j{i} -> r{i}")
     return m
 
@@ -38,6 +38,18 @@ def test_a_mode_of_a_rod_decays(back: bool) -> None:
     found = np.array([run[f"c{i}.e"].at(0.03) for i in range(MANY)])
     assert found - 2.0 == pytest.approx(left * np.array(shape), abs=1e-7)
     assert found.mean() == pytest.approx(2.0, rel=1e-12)
+
+
+def test_more_parts_than_modes_are_propagated_for() -> None:
+    """Explicit steps would be 7,000: ``auto`` sees that, however many states there are."""
+    parts = 440
+    shape = [math.cos(math.pi * (i + 0.5) / parts) for i in range(parts)]
+    run = hb.simulate(rod([2.0 + a for a in shape]), until=0.03)
+    left = math.exp(-4.0 * parts**2 * math.sin(math.pi / (2.0 * parts)) ** 2 * 0.03)
+    found = np.array([run[f"c{i}.e"].at(0.03) for i in range(parts)])
+    assert found - 2.0 == pytest.approx(left * np.array(shape), abs=1e-6)
+    assert run.stats["steps"] < 1000
+    assert "stiff: radau from" in run.method
 
 
 @pytest.mark.sampled(1)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from hybond.chronicle import Chronicle
 from hybond.engine.compiled.refusal import Refusal
 from hybond.engine.method_numbers import AUTO, MOREAU, RADAU
-from hybond.engine.methods.linear.flow_records import LARGE
+from hybond.engine.methods.implicit.stiffness import MOST_STATES
 from hybond.engine.outcome.ever_faster import said_of_many
 from hybond.engine.outcome.explain import Explaining
 from hybond.engine.outcome.records import Instants
@@ -216,7 +216,7 @@ def error_of(
 
 def _for_stiff(method: int, states: int) -> str:
     """Return what else to try against small steps, if another solver may help."""
-    if method == AUTO and states > LARGE:
+    if method == AUTO and states > MOST_STATES:
         return f"; solver = 'radau' if the model is stiff: 'auto' leaves {states} states to rk45"
     if method in (AUTO, RADAU):
         return ""

@@ -32,7 +32,6 @@ from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import AUTO
 from hybond.engine.methods.implicit.radau import begin_radau
 from hybond.engine.methods.implicit.radau_room import Radau, make_radau
-from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.methods.tolerances.scale import error_norm, forget_settling
 from hybond.engine.mode.nonlinear.guess import give_back_guess, hold_guess
 from hybond.engine.surfaces.values import field
@@ -54,6 +53,8 @@ EASY: Final = 2.0
 """Size times norm below which an explicit step would be stable as well, ..."""
 EASY_ROW: Final = 100
 """... and how many such steps in a row lead back: enough for ``radau`` to damp what died out."""
+MOST_STATES: Final = 2000
+"""Of more, a table of all slopes is too large to have unasked."""
 LED_ROW: Final = 200
 """Steps after which it is seen how far they have led: ..."""
 NOWHERE: Final = 0.1
@@ -73,7 +74,7 @@ GROWING: Final = 2.0
 def watch_explicit(e: Engine, h: float, grown: float) -> None:
     """Learn from a step of ``rk45`` of size `h`; the next may be so many times as long."""
     s = e.step
-    if e.states > LARGE:
+    if e.states > MOST_STATES:
         return
     size = h * fastest(e)
     s.past_rim = size > RIM or began_past(e)
