@@ -16,6 +16,7 @@ matroid): one elimination finds all.
 from __future__ import annotations
 
 import heapq
+from collections import Counter
 from collections.abc import Collection, Sequence
 
 from hybond.model.expressions.slots import plain
@@ -25,6 +26,8 @@ from hybond.model.kinds import RESISTORS, STORAGES, TWO_PORTS
 
 ROUNDING = 1e-9
 """Part of the largest coefficient of a row below which one is rounding."""
+USABLE = 0.1
+"""Part of it from which on one may be divided by."""
 
 
 def needing_ends(
@@ -86,23 +89,33 @@ def _output(node: Node, bonds: int) -> int:
 def _related(rows: list[Row], given: Collection[int]) -> dict[int, int]:
     """Return for each given variable that has a relation with others a number of its group."""
     rows = _among(rows, given)
+    often = Counter(k for row in rows for k in row)
     solved: dict[int, Row] = {}
+    users: dict[int, set[int]] = {}
     for row in rows:
         for column in [k for k in row if k in solved]:
             _subtract(row, solved[column], column)
         if not row:
             continue
-        pivot = max(row, key=lambda k: (abs(row[k]), -k))
-        for other in solved.values():
-            if pivot in other:
-                _subtract(other, row, pivot)
+        # what few rows have is found from the others without making many of these longer
+        large = max(map(abs, row.values()))
+        usable = (k for k, c in row.items() if abs(c) >= USABLE * large)
+        pivot = min(usable, key=lambda k: (often[k], k))
+        for other in sorted(users.pop(pivot, ())):
+            before = set(solved[other])
+            _subtract(solved[other], row, pivot)
+            _move_user(users, other, before, set(solved[other]))
         solved[pivot] = row
+        _move_user(users, pivot, set(), set(row))
     groups: dict[int, int] = {}
+    members: dict[int, set[int]] = {}
     for pivot, row in solved.items():
         if len(row) > 1:
-            old = {groups[k] for k in row if k in groups}
-            groups.update((k, pivot) for k, group in list(groups.items()) if group in old)
-            groups.update(dict.fromkeys(row, pivot))
+            met = {groups[k] for k in row if k in groups}
+            into = max(met, key=lambda group: len(members[group]), default=pivot)
+            new = set(row).union(*(members.pop(group) for group in met if group != into))
+            members.setdefault(into, set()).update(new)
+            groups.update(dict.fromkeys(new, into))
     return groups
 
 
@@ -124,23 +137,26 @@ def _among(rows: list[Row], given: Collection[int]) -> list[Row]:
                 heapq.heappush(waiting, (len(own), column))
             continue
         large = max(abs(alive[k][column]) for k in own)
-        usable = [k for k in own if abs(alive[k][column]) >= 0.1 * large]
+        usable = [k for k in own if abs(alive[k][column]) >= USABLE * large]
         pivot = min(usable, key=lambda k: (len(alive[k]), k))
         row = alive.pop(pivot)
         for k in row:
             if k not in given:
                 users[k].discard(pivot)
         for other in sorted(own):
-            before = set(alive[other])
+            before = alive[other].keys() - given
             _subtract(alive[other], row, column)
-            after = set(alive[other])
-            for k in before - after:
-                if k not in given:
-                    users[k].discard(other)
-            for k in after - before:
-                if k not in given:
-                    users[k].add(other)
+            _move_user(users, other, before, alive[other].keys() - given)
     return list(alive.values())
+
+
+def _move_user(users: dict[int, set[int]], row: int, before: set[int], after: set[int]) -> None:
+    """Note which columns a row has that had others before."""
+    for k in before - after:
+        if k in users:
+            users[k].discard(row)
+    for k in after - before:
+        users.setdefault(k, set()).add(row)
 
 
 def _subtract(row: Row, other: Row, column: int) -> None:
