@@ -22,7 +22,7 @@ from hybond.engine.methods.stepping import between
 from hybond.engine.mode.digits.fading import keep_seen, may_fade, see_as_before
 from hybond.engine.mode.digits.sizes import measure, seen_of
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.reading import put_knowns, show_plain
+from hybond.engine.mode.reading import reads_plainly, put_knowns, show_plain
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.averages import begin_sizes, part_sizes, show_part, solve_here
@@ -98,7 +98,7 @@ def look_on(e: Engine, g: Locator, t: float) -> None:
     g.singly = several and e.mode.dynamics == 0 and e.mode.finite_frees == 0
     if g.singly:
         put_knowns(e, e.mode, g.reads, e.v)
-    elif e.slide.k == 0 and g.reads.plain and g.reads.plain_of == e.mode.eliminated:
+    elif e.slide.k == 0 and reads_plainly(e.model, e.mode, g.reads):
         show_plain(e, e.mode, g.reads, e.v)
     elif e.slide.k == 0:
         g.failed = solve_read(e, e.mode, g.reads, e.v) != OK or g.failed

@@ -71,6 +71,13 @@ def note_plain(m: Model, mode: Mode, r: Reads) -> None:
         r.plain = r.plain and not has_part(mode, r.bond[i])
 
 
+def reads_plainly(m: Model, mode: Mode, r: Reads) -> bool:
+    """Whether no unknown has part in what is read, of rows as they are eliminated now."""
+    if r.plain_of != mode.eliminated:
+        note_plain(m, mode, r)
+    return r.plain
+
+
 def gives_alone(m: Model, mode: Mode, i: int) -> bool:
     """Whether a row is a law that reads what is known, and gives a variable that is none."""
     d = mode.dynamic[i]

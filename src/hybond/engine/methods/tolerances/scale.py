@@ -39,9 +39,6 @@ the whole run is not rounding: ..."""
 BESIDE: Final = 1e3
 """... it is measured against no more than so many times its own size, however much energy there is
 beside it."""
-HIDDEN: Final = 1e-12
-"""Part of that share below which it is: it is less than the last place of what is beside it. A
-front that runs through a long line begins everywhere at once, by ever higher powers of time."""
 FAINT: Final = 1e-150
 """What is stored is measured against no less, in SI: the square of less is no number, so that it
 has no energy. What grows from nothing by a power of time, or behind a steep law, would be followed
@@ -391,7 +388,7 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
             if floor > out[k] and m.co_energy[k] >= 0:
                 floor = within_law(e, k, v, floor, most)
             clear = e.rounding[k] > 0.0 and out[k] > CLEAR * e.rounding[k] / SHORT
-            if clear and not turns and out[k] > HIDDEN * floor:
+            if clear and not turns:
                 floor = min(floor, BESIDE * out[k])
         out[k] = m.rtol * max(out[k], floor if math.isfinite(floor) else 0.0)
         if begins and e.step.onset[k] > 0.0:
