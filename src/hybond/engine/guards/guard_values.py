@@ -22,7 +22,7 @@ from hybond.engine.methods.stepping import between
 from hybond.engine.mode.digits.fading import keep_seen, may_fade, see_as_before
 from hybond.engine.mode.digits.sizes import measure, seen_of
 from hybond.engine.mode.mode_records import is_constrained
-from hybond.engine.mode.reading import reads_plainly, put_knowns, show_plain
+from hybond.engine.mode.reading import put_knowns, reads_plainly, show_plain
 from hybond.engine.mode.solving import solve_read
 from hybond.engine.reasons.facts import add_fact
 from hybond.engine.surfaces.averages import begin_sizes, part_sizes, show_part, solve_here
