@@ -76,7 +76,7 @@ def with_its_energy(e: Engine, g: Locator, t: float, top: float) -> float:
     rim of rounding would be none once it is settled, and laws that carry nothing would be decided
     alone there. It is `t` if there is no such instant.
     """
-    if e.model.laws == 0 or e.slide.k > 0 or e.model.disks > 0:
+    if e.model.laws == 0 or e.slide.k > 0:
         return t
     for k in range(g.guards):
         g.done[k] = 1 if g.side[k] == NO_KINK else 0
