@@ -181,3 +181,36 @@ def test_a_stop_that_carries_nothing_is_let_go_at_the_instant_of_the_switch(
     """With the last of these sizes that was refused: HB-N411."""
     drive = Band(seed, turned, law)
     holds_together(hb.simulate(drive.model, until=drive.until, rtol=1e-8, solver=solver), drive)
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("seed", range(12))
+def test_a_timed_switch_and_one_of_its_instant_hand_a_current_on(
+    seed: int, turned: bool, solver: str
+) -> None:
+    """They cut off what flows in between, silently, where a diode loop stood beside them.
+
+    A momentum that rises by a constant force reaches its bound at the time of the other switch.
+    """
+    g = random.Random(seed)
+    force, at, mass = g.uniform(0.5, 3), g.uniform(0.3, 2.0), 10 ** g.uniform(-1, 1)
+    m, momentum, dead = hb.Model("handed on"), g.uniform(0.5, 2), 10 ** g.uniform(-2, 0)
+    m.add(u=hb.Se(force), n=hb.One(), C=hb.I(mass), L=hb.I(10 ** g.uniform(-2, 1), p=momentum))
+    m.add(x=hb.Zero(), a=hb.One(), b=hb.One(), nc=hb.Zero(), c=hb.One(), dc=hb.One(law="diode"))
+    m.add(Lc=hb.I(dead, p=dead * 10 ** g.uniform(-8, -6)), Rc=hb.R(10 ** g.uniform(1, 3)))
+    m.add(gz=hb.Zero(), gs=hb.Se(0.0), gy=hb.GY("1e-2*Lc.f"))
+    bonds = ["u -> n", "n -> C", "L -> x", "x -> a", "x -> b", "gz -> gs", "gz -> dc", "dc -> nc"]
+    bonds += ["nc -> c", "c -> Lc", "c -> Rc", "n -> gy.1", "gy.2 -> c"]
+    g.shuffle(bonds)
+    m.bond(*bonds)
+    guards = [f"time >= {at!r}", f"C.f > {force * at / mass!r}"]
+    first, second = reversed(guards) if turned else guards
+    rules = [f"on -> off when {first}"]
+    m.machine("ma", states={"on": ["a"], "off": []}, start="on", rules=rules)
+    rules = [f"off -> on when {second}"]
+    m.machine("mb", states={"off": [], "on": ["b"]}, start="off", rules=rules)
+    run = hb.simulate(m, until=2.0 * at, rtol=1e-8, solver=solver)
+    assert run.status == "ok"
+    assert run["L.p"].at(2.0 * at) == pytest.approx(momentum, rel=1e-12)

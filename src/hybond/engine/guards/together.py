@@ -93,6 +93,15 @@ def with_its_energy(e: Engine, g: Locator, t: float, top: float) -> float:
     return first
 
 
+def last_at_end(e: Engine, g: Locator, t: float, top: float) -> float:
+    """Return the last instant of one with a timed event at `t`, where rounding is as it is settled.
+
+    What was found at its rim would be left for an instant of its own just after that.
+    """
+    first = with_its_energy(e, g, t, top)
+    return first if g.failed else last_of_instant(e, g, first, top)
+
+
 def first_of_done(e: Engine, g: Locator, t: float, top: float) -> float:
     """Return the first instant in ``[t, top]`` at which one of those in `g.done` holds, or `t`."""
     for k in range(g.guards):
