@@ -15,6 +15,7 @@ from hybond.engine.guards.together import (
     is_kink_alone,
     kink_there,
     last_of_instant,
+    with_its_energy,
 )
 from hybond.engine.guards.within_rounding import past_rounding
 from hybond.engine.methods.control import is_propagated
@@ -82,8 +83,10 @@ def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int
     g.looked = math.nan
     if tries > 0 and tries <= FORWARD and g.at - last <= room:
         g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(tries)), top)
+    g.at = with_its_energy(e, g, g.at, top)
     g.began = g.at
-    g.at = last_of_instant(e, g, g.at, top)
+    if not g.failed:
+        g.at = last_of_instant(e, g, g.at, top)
     if not g.failed:
         g.at = past_rounding(e, g, g.at, room, end)
     if g.failed:

@@ -28,6 +28,7 @@ from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, NONE, Locator
 from hybond.engine.guards.quartic import COEFFICIENTS, DEGREE, horner
 from hybond.engine.guards.solved_guards import is_known
 from hybond.engine.methods.explicit.dopri import spacing
+from hybond.engine.mode.digits.part_energies import see_energy
 from hybond.engine.mode.mode_records import is_constrained
 
 LAST_PLACES: Final = 8.0
@@ -65,6 +66,53 @@ def last_of_instant(e: Engine, g: Locator, t: float, top: float) -> float:
             last = t if g.done[k] != 0 else last
     show(e, g, ALL_PARTS)
     return last
+
+
+def with_its_energy(e: Engine, g: Locator, t: float, top: float) -> float:
+    """Return the first instant in ``[t, top]`` at which one that holds at `t` does when settled.
+
+    Beside junction laws rounding is measured by the largest energy there has been, and a step has
+    been asked with that of its beginning. Where it has led to more, a guard that is found at the
+    rim of rounding would be none once it is settled, and laws that carry nothing would be decided
+    alone there. It is `t` if there is no such instant.
+    """
+    if e.model.laws == 0 or e.slide.k > 0:
+        return t
+    for k in range(g.guards):
+        g.done[k] = 1 if g.side[k] == NO_KINK else 0
+    ask_done(e, g, t, True)
+    look(e, g, t)
+    seen = e.energies_seen
+    see_energy(e, g.y)
+    first = t
+    if e.energies_seen != seen and not g.failed:
+        show(e, g, ALL_PARTS)
+        g.looked = math.nan
+        first = first_of_done(e, g, t, top)
+    show(e, g, ALL_PARTS)
+    return first
+
+
+def last_at_end(e: Engine, g: Locator, t: float, top: float) -> float:
+    """Return the last instant of one with a timed event at `t`, where rounding is as it is settled.
+
+    What was found at its rim would be left for an instant of its own just after that.
+    """
+    first = with_its_energy(e, g, t, top)
+    return first if g.failed else last_of_instant(e, g, first, top)
+
+
+def first_of_done(e: Engine, g: Locator, t: float, top: float) -> float:
+    """Return the first instant in ``[t, top]`` at which one of those in `g.done` holds, or `t`."""
+    for k in range(g.guards):
+        if g.done[k] != 0 and (g.failed or holds_at(e, g, k, t)):
+            return t
+    ask_done(e, g, top, True)
+    first = math.inf
+    for k in range(g.guards):
+        if g.done[k] != 0 and not g.failed:
+            first = min(first, bracket(e, g, k, t, top))
+    return first if first < math.inf else t
 
 
 def may_others(e: Engine, g: Locator, t: float, top: float) -> bool:

@@ -27,7 +27,7 @@ from hybond.engine.guards.kept_rests import begin_rests, let_hold, none_holds
 from hybond.engine.guards.limits_crossed import see_stood
 from hybond.engine.guards.locate import locate
 from hybond.engine.guards.rests_asked import see_rests_at_end
-from hybond.engine.guards.together import is_kink_alone, is_of_time, last_of_instant
+from hybond.engine.guards.together import is_kink_alone, is_of_time, last_at_end
 from hybond.engine.guards.unresolved import forget_carried, see_unresolved
 from hybond.engine.guards.watching import watch
 from hybond.engine.inputs.interval import interval_after, read_within
@@ -344,7 +344,7 @@ def flow(e: Engine, r: Run) -> int:
             r.late = -math.inf
             if shown >= end and shown - e.step.t0 >= instant:
                 # what crosses its bound just after a timed event does so with it
-                shown = last_of_instant(e, g, shown, shown + instant)
+                shown = last_at_end(e, g, shown, shown + instant)
                 near = near or shown != e.step.t1
                 if g.failed:
                     return -1
