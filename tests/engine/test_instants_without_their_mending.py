@@ -219,8 +219,8 @@ def test_gates_of_one_instant_that_are_settled_apart(
     for pair in pairs:
         right = ended(switched(*pair), 1.0)
         assert right.status == "ok" and right.final["i.p"] == 1.0
-    for where in (motion, ends_at_guard):
-        monkeypatch.setattr(where, "last_at_end", lambda e, g, t, top: t)
+    monkeypatch.setattr(motion, "last_at_end", lambda e, g, t, top: t)
+    monkeypatch.setattr(ends_at_guard, "last_of_instant", lambda e, g, t, top: t)
     monkeypatch.setattr(ends_at_guard, "past_rounding", lambda e, g, t, room, end: t)
     lost = [run for run in (ended(switched(*pair), 1.0) for pair in pairs) if run.final["i.p"] != 1]
     assert lost
