@@ -89,7 +89,7 @@ class Band:
         dead = 10 ** g.uniform(-2, 1)
         damper = dead * self.loss / self.coil * 10 ** g.uniform(1, 4)
         begin = (-1.0 if turned else 1.0) * 10 ** g.uniform(-6, 0)
-        g.uniform(0.01, 3)
+        g.uniform(0.01, 3)  # of no use, but for the sizes that come after it
         self.inertia, self.drag, self.turns = (
             g.uniform(1, 100),
             g.uniform(0.1, 10),
@@ -113,6 +113,18 @@ class Band:
         m.machine("S", states={"on": ["q"], "off": []}, start="on", rules=rules)
 
 
+class Reaches:
+    """What ends an integration: the first of what moves is led to a bound, in one direction."""
+
+    terminal = True
+
+    def __init__(self, bound: float, direction: float) -> None:
+        self.bound, self.direction = bound, direction
+
+    def __call__(self, _: float, y: list[float]) -> float:
+        return y[0] - self.bound
+
+
 def switched(drive: Drive | Band) -> list[float]:
     """When the switch turns, from the equations of the two that move; all else carries nothing."""
     t, on, x, found = 0.0, True, [0.0, 0.0], []
@@ -127,14 +139,8 @@ def switched(drive: Drive | Band) -> list[float]:
                 (by * y[0] - drive.drag * y[1]) / drive.inertia,
             ]
 
-        def reached(_t: float, y: list[float], bound: float = bound) -> float:
-            return y[0] - bound
-
-        reached.terminal = True  # type: ignore[attr-defined]
-        reached.direction = 1.0 if on else -1.0  # type: ignore[attr-defined]
-        run = solve_ivp(
-            rates, (t, drive.until), x, "DOP853", events=reached, rtol=1e-11, atol=1e-12
-        )
+        span, reached = (t, drive.until), Reaches(bound, 1.0 if on else -1.0)
+        run = solve_ivp(rates, span, x, "DOP853", events=reached, rtol=1e-11, atol=1e-12)
         t, x = float(run.t[-1]), [float(y) for y in run.y[:, -1]]
         if run.status != 1:
             break

@@ -70,7 +70,7 @@ def by_logarithm(
 @pytest.mark.parametrize("back", [False, True])
 @pytest.mark.parametrize(("seed", "large"), [(1e-19, 100.0), (1e-22, 1.0), (1e-30, 1.0)])
 def test_light_from_next_to_nothing(seed: float, large: float, back: bool, solver: str) -> None:
-    """It was damped for good by ``radau``, and off by a factor with ``rk45``."""
+    """It is followed by its own size, however little of the energy there it is."""
     until = -math.log(seed) / 0.5 + 4.0
     want = by_logarithm(seed, 1.0, large, 0.0, until)
     run = hb.simulate(laser(seed, large=large, back=back), until=until, solver=solver)

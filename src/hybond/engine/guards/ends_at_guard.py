@@ -83,7 +83,7 @@ def land(e: Engine, g: Locator, room: float, end: float, last: float, tries: int
     g.looked = math.nan
     if tries > 0 and tries <= FORWARD and g.at - last <= room:
         g.at = min(g.at + LEAST * spacing(g.at) * math.pow(2.0, float(tries)), top)
-    if kink_there(e, g) < 0:
+    if e.model.laws > 0 and kink_there(e, g) < 0:
         # beyond a kink what is stored may be what it jumps to
         g.at = with_its_energy(e, g, g.at, top)
     g.began = g.at
