@@ -7,8 +7,9 @@ import random
 import pytest
 
 import hybond as hb
-from hybond.hints.never import bounds_of, never_holds
+from hybond.hints.never import never_holds
 from hybond.model.expressions import compile_expression, parse
+from hybond.model.expressions.bounds import bounds_of
 from hybond.model.expressions.tree import names
 
 NEVER = [
@@ -47,7 +48,13 @@ def test_it_is_never_where_no_values_make_it_true(text: str) -> None:
     assert never_holds(guard) == (text in NEVER)
 
 
-@pytest.mark.parametrize("text", ["2 - 3*tanh(x)", "abs(x)*2 + cos(y)", "-(x^2)/4", "sign(x)*-3"])
+BOUNDED = ["2 - 3*tanh(x)", "abs(x)*2 + cos(y)", "-(x^2)/4", "sign(x)*-3"]
+BOUNDED += ["sqrt(sqrt(x^2 + 4))", "max(sin(x), 0.5)", "min(x^2 + 1, cosh(y) + 2)"]
+BOUNDED += ["(x^2 + 2)*(abs(y) + 3)", "(x^2 + 2)/(abs(y) + 3)", "max(x, 1)*max(-y, 0)"]
+
+
+@pytest.mark.sampled(10)
+@pytest.mark.parametrize("text", BOUNDED)
 def test_no_value_is_beyond_its_bounds(text: str) -> None:
     e = parse(text)
     low, high = bounds_of(e)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import combinations, pairwise
 
+from hybond.model.expressions.bounds import bounds_of
 from hybond.model.expressions.differentiate import simplify
 from hybond.model.expressions.slots import is_slotted
 from hybond.model.expressions.tree import (
@@ -133,7 +134,7 @@ def ending(e: Expr) -> list[Expr]:
                 found.append(part.args[0])
             case Binary("^", left, Number(value)) if _may_be_a_root(value):
                 found.append(left)
-    return [e for e in dict.fromkeys(found) if names(e) and not _is_magnitude(_moving(e))]
+    return [e for e in dict.fromkeys(found) if names(e) and bounds_of(_moving(e))[0] < 0.0]
 
 
 def rooted(e: Expr) -> list[Expr]:
@@ -156,7 +157,7 @@ def rooted(e: Expr) -> list[Expr]:
                 under = left
             case _:
                 continue
-        if _is_positive(under):
+        if bounds_of(under)[0] > 0.0:
             continue
         sizes = [p.args[0] for p, _ in walk(under) if isinstance(p, Call) and p.function == "abs"]
         found += sizes or [under]
@@ -244,50 +245,6 @@ def _moving(e: Expr) -> Expr:
         case Binary("*" | "/", left, right) if not names(right):
             return _moving(left)
     return e
-
-
-def _is_magnitude(e: Expr) -> bool:
-    """Whether an expression is never negative by its form."""
-    match e:
-        case Number(value):
-            return not is_slotted(value) and value >= 0.0
-        case Call(function="abs" | "sqrt" | "exp" | "cosh") | Binary("^", _, Number(2.0)):
-            return True
-        case Call(function="max"):
-            return any(_is_magnitude(a) for a in e.args)
-        case Binary("*", left, right):
-            return left == right or (_is_magnitude(left) and _is_magnitude(right))
-        case Binary("/", left, Number(value)):
-            return _is_magnitude(left) and not is_slotted(value) and value > 0.0
-        case Binary("+", left, right):
-            return _is_magnitude(left) and _is_magnitude(right)
-    return False
-
-
-def _is_positive(e: Expr) -> bool:
-    """Whether an expression is above zero by its form, as sums of squares and a number.
-
-    Of a parameter nobody knows.
-    """
-    match e:
-        case Number(value):
-            return not is_slotted(value) and value > 0.0
-        case Call(function="exp" | "cosh"):
-            return True
-        case Call(function="sqrt"):
-            return _is_positive(e.args[0])
-        case Call(function="max"):
-            return any(_is_positive(a) for a in e.args)
-        case Call(function="min"):
-            return all(_is_positive(a) for a in e.args)
-        case Binary("+", left, right):
-            one = _is_positive(left) or _is_positive(right)
-            return one and _is_magnitude(left) and _is_magnitude(right)
-        case Binary("*" | "/", left, right):
-            return _is_positive(left) and _is_positive(right)
-        case Binary("^", left, Number()):
-            return _is_positive(left)
-    return False
 
 
 def _corners(table: Table) -> list[float]:
