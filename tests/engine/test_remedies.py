@@ -270,3 +270,24 @@ def test_a_toggle_by_one_guard_gets_states_between() -> None:
     )
     run = hb.simulate(between, 2.2)
     assert [e.t for e in run.events] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(("forward", "backward"), [(10.0, 3.0), (5.0, 1.0)])
+def test_a_limit_by_the_way_of_slip_gets_a_mean_and_a_source(
+    forward: float, backward: float
+) -> None:
+    """A band brake holds more one way: as one limit by a condition it is refused."""
+    limit = f"if w.f > 0 then {forward} else {backward}"
+    torque = f"{forward + 2}*min(time/0.5, 1)"
+    load = {"J": hb.I(1.0), "T": hb.Se(torque)}
+    m = model("T -> w -> J", w=hb.One(law="coulomb", limit=limit), **load)
+    error = refusal(m, "HB-N410")
+    assert error.where == "w.friction"
+    assert error.hint is not None and "half of their difference" in error.hint
+    mean, half = (forward + backward) / 2, (forward - backward) / 2
+    brake = {"w": hb.One(law="coulomb", limit=mean), "B": hb.Se(-half)}
+    run = hb.simulate(model("T -> w -> J, B -> w", **brake, **load), 1.0)
+    slips = 0.5 * forward / (forward + 2)
+    speed = 2.0 * (0.5 - slips) / 2 + 2.0 * 0.5
+    assert run["J.f"].at(slips) == pytest.approx(0.0, abs=1e-9)
+    assert run["J.f"].at(1.0) == pytest.approx(speed, rel=1e-9)

@@ -14,9 +14,8 @@ class Model:
     """One model.
 
     Slots: where a name stands in the vector `v` of values that expressions read. Time is slot 0;
-    then, from the slots named here on, inputs, their rates, integrated signals, stored quantities,
-    efforts, flows, and Booleans: what is ON, states of machines, comparisons of time. A second
-    copy of as many slots follows, the a priori values.
+    from those named here on inputs, their rates, integrated signals, stored quantities, efforts,
+    flows, and Booleans (what is ON, states of machines, comparisons of time); then all a priori.
     """
 
     bonds: int
@@ -413,6 +412,7 @@ class Model:
     kink_pair: Ints  # what each reads stands with the pairs
     kink_switch: Ints  # what is to be ON for anything to feel it, -1: nothing
     kink_rest: Ints  # what is at rest where it is zero, the root of which is here; -1: nothing
+    rests_apart: int  # how many of these read others than what is compared at the kink
     kink_rooted: Ints  # whether a law takes the root of it, or of what it is a multiple of
     kink_meets: Ints  # whether all that is said of it has one value there as well
     kink_node: Ints  # the element that says it; -1: the rate of a signal

@@ -41,7 +41,10 @@ from hybond.engine.guards.solved_guards import solve_guards
 from hybond.engine.guards.timetable import foresee
 from hybond.engine.guards.unresolved import see_borne, see_held_back
 from hybond.engine.guards.waiting import may_wait, wake
+from hybond.engine.methods.stepping import by_radau
 
+UNCLEAR: Final = 1e-3
+"""Part of what steps may be off by within which no side of a root is told."""
 SOON: Final = 1e-3
 """Part of a step after which what begins at a kink is on one of its sides."""
 
@@ -120,6 +123,9 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
             g.side[k] = 0
             g.sleep[k] = max(g.sleep[k], 1)
             continue
+        if is_unclear(e, g, k, here):
+            g.side[k] = 0
+            continue
         if math.isfinite(here) and math.fabs(here) <= ROUNDING * terms_here(e, g, k, a):
             if g.side[k] == 0:
                 g.done[k] = 1
@@ -128,6 +134,22 @@ def take_sides_of_kinks(e: Engine, g: Locator) -> None:
         g.side[k] = side_of(here)
     if begins:
         take_sides_soon(e, g)
+
+
+def is_unclear(e: Engine, g: Locator, k: int, here: float) -> bool:
+    """Whether the error of implicit steps says on which side of a root that meets a motion is.
+
+    It may be passed to and fro in front of what has not moved yet: each time a step would end there
+    for nothing, since what follows the root is as small.
+    """
+    if not by_radau(e) or not math.isfinite(here):
+        return False
+    a = g.atom_first[k]
+    if e.model.kink_meets[g.atom[a] - e.model.kink_atom] == 0:
+        return False
+    size = terms_here(e, g, k, a)
+    away = math.fabs(here)
+    return ROUNDING * size < away and away <= UNCLEAR * e.model.rtol * size
 
 
 def take_sides_soon(e: Engine, g: Locator) -> None:

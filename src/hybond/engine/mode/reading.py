@@ -10,6 +10,7 @@ from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.engine import Engine
 from hybond.engine.mode.digits.closely import rate_by_row, row_twofold
 from hybond.engine.mode.mode_records import Mode, Reads
+from hybond.engine.mode.nonlinear.level import are_level, is_level
 from hybond.engine.mode.rows.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.rows.storage import co_energy_of, law_at
 from hybond.engine.mode.rows.storage_bonds import rate_bond, way_of_rate
@@ -60,11 +61,14 @@ def read_guard(m: Model, mode: Mode, r: Reads, rule: int) -> None:
 def note_plain(m: Model, mode: Mode, r: Reads) -> None:
     """Note whether all that is read is known without Newton: no unknown has part in it.
 
-    Laws that are solved for what they read have Newton tell where there is no solution, and what
-    roots are taken of may be put level beside others: those are not plain.
+    Laws that are solved for what they read have Newton tell where there is no solution: those are
+    not plain. Of two that are put level both are read, or neither is.
     """
-    r.plain = mode.dynamics > 0 and m.edge_bonds == 0 and m.level_pairs == 0
+    r.plain = mode.dynamics > 0
     r.plain_of = mode.eliminated
+    for i in range(m.level_pairs):
+        one = r.chosen[m.level_pair[2 * i]]
+        r.plain = r.plain and one == r.chosen[m.level_pair[2 * i + 1]]
     for i in range(mode.dynamics if r.plain else 0):
         r.plain = r.plain and gives_alone(m, mode, i)
     for i in range(r.many if r.plain else 0):
@@ -102,10 +106,29 @@ def show_plain(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
     put_knowns(e, mode, r, v)
     w = e.work.w
     for i in range(r.many):
+        same = mode.same[r.bond[i]]
+        if r.first_of[same] == r.bond[i] + 1:
+            w[same] = row_times(mode.finite, same, e.work.xi) + 0.0
+    level_read(e, mode, r, v)
+    for i in range(r.many):
         b = r.bond[i]
-        first = r.first_of[mode.same[b]] - 1
-        w[b] = w[first] if first != b else row_times(mode.finite, mode.same[b], e.work.xi) + 0.0
+        w[b] = w[mode.same[b]]
         v[e.model.bond_slot + b] = w[b]
+
+
+def level_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
+    """Let what a root is taken of be zero, where it is read, and is rounding, as Newton does."""
+    m = e.model
+    w = e.work.w
+    for i in range(m.edge_bonds):
+        same = mode.same[m.edge_bond[i]]
+        if r.first_of[same] != 0 and is_level(e, mode, v, w, same):
+            w[same] = 0.0
+    for i in range(m.level_pairs):
+        one = mode.same[m.level_pair[2 * i]]
+        other = mode.same[m.level_pair[2 * i + 1]]
+        if r.first_of[one] != 0 and are_level(mode, w, one, other):
+            w[one] = w[other]
 
 
 def read_pair(m: Model, mode: Mode, r: Reads, pair: int) -> None:

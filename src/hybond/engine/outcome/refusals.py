@@ -435,8 +435,10 @@ def _here(c: Case, path: str) -> str:
 def _switches_back(c: Case) -> Said:
     """Return what a law does that jumps, or is as steep as a jump where it is read backwards."""
     path = c.refusal.place
-    from hybond.engine.outcome.remedies import is_flat
+    from hybond.engine.outcome.remedies import is_flat, limit_by_direction
 
+    if hint := limit_by_direction(c.graph, path):
+        return Said(f"{c.refusal.why} {c.now}", path, hint)
     nodes = [n for n in c.graph.nodes if n.path == path and n.law is not None]
     jumps = any(jumping(e) for n in nodes if n.law for e in n.law.expressions)
     if not nodes or (jumps and not any(is_flat(n) for n in nodes)):

@@ -11,6 +11,7 @@ from hybond.model.expressions import (
     Call,
     Expr,
     compile_expression,
+    jumping,
     meets,
     simplify,
     uses_pre,
@@ -45,6 +46,21 @@ def resistors(nodes: Iterable[Node]) -> str:
     if len(parts) > MANY:
         parts[MANY - 1 :] = [f"so with {len(parts) - MANY + 1} more"]
     return f"put a resistor {', and one '.join(parts)}" if parts else ""
+
+
+def limit_by_direction(graph: FlatGraph, path: str) -> str:
+    """Return what to try where dry friction has a limit that reads its own direction; "" if not."""
+    for law in (m.law for m in graph.machines if m.law is not None):
+        if law.source is None or graph.nodes[law.source].path != path:
+            continue
+        own = set(names(law.common))
+        if law.limit is not None and any(own & set(names(a)) for a in jumping(law.limit)):
+            return (
+                "the limit holds as much either way: give it the mean of the two limits, and let a "
+                "constant source at the junction have half of their difference; for 10 forward and "
+                "3 backward a limit of 6.5, and an Se of -3.5 on a bond towards the junction"
+            )
+    return ""
 
 
 def against_conflict(nodes: list[Node], switched: bool) -> str:

@@ -247,6 +247,8 @@ def go_behind(e: Engine, r: Run) -> int:
     if start(e, e.t, e.y, bound_of(e), True) != OK:
         return -1
     e.step.bent_at = e.t
+    if by_radau(e) and r.kink >= 0 and e.model.kink_meets[r.kink] != 0:
+        e.step.h = min(e.step.h, before)  # it says what the motion allows on either side
     if is_crowded(e, r):
         e.step.onset_end = learned  # a moment later is behind many more of them
         e.step.h = min(e.step.h, GROW * before)  # rates alone know nothing of what they are led to

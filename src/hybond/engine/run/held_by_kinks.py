@@ -16,6 +16,7 @@ from hybond.engine.guards.guard_values import show
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, Locator
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.tolerances.scale import tolerance
+from hybond.engine.mode.reading import reads_plainly, show_plain
 from hybond.engine.run.run_records import Run
 from hybond.engine.surfaces.averages import solve_read_here
 from hybond.engine.surfaces.values import field, set_motion
@@ -170,6 +171,9 @@ def has_values(e: Engine, g: Locator, t: float) -> bool:
     show(e, g, ALL_PARTS)
     g.looked = math.nan
     set_motion(e, e.v, t, g.y)
+    if e.slide.k == 0 and e.model.rests_apart == 0 and reads_plainly(e.model, e.mode, g.reads):
+        show_plain(e, e.mode, g.reads, e.v)
+        return True
     return solve_read_here(e, e.mode, g.reads, e.v) == OK
 
 

@@ -10,12 +10,14 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.answers import node_name, stored_name
+from hybond.engine.contacts.accumulation import aitken
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import atom_at, has_crossed, holds_at, show, terms_here
 from hybond.engine.guards.locator import ALL_PARTS, NO_KINK, NONE, Locator
 from hybond.engine.guards.naps import LONGEST_NAP, pass_step
 from hybond.engine.guards.together import LAST_PLACES, before_kink, kink_of, kink_there
+from hybond.engine.instant.instant import GUARD, LAW
 from hybond.engine.methods.explicit.dopri import spacing
 from hybond.engine.methods.explicit.one_instant import room_of_instant
 from hybond.engine.methods.stepping import between, by_radau, reach, retry
@@ -56,6 +58,10 @@ CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 SOONER: Final = 1.0 / 32.0
 """Part of that way after which it is asked where rates lead, too: what is compared may turn."""
+FLIGHTS: Final = 6
+"""Times between jumps in a row, each shorter than the one before, that come to a limit ..."""
+AT_LIMIT: Final = 1e-5
+"""... which is no farther than this part of the run."""
 ASIDE: Final = 0.25
 """Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
 
@@ -230,7 +236,7 @@ def is_crowded(e: Engine, r: Run) -> bool:
     return r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= SOON_BACK * e.span
 
 
-def events_held(e: Engine, r: Run) -> bool:
+def events_held(e: Engine, r: Run, cause: int) -> bool:
     """Whether a kink that a law jumps at has ended in one event after the other.
 
     Friction that a junction has, beside a law that jumps at rest as well, changes its way each time
@@ -240,6 +246,10 @@ def events_held(e: Engine, r: Run) -> bool:
     many = IDLE + 1
     if e.model.kinks == 0:
         return False
+    if cause == LAW:
+        return events_fade(e, r)
+    if cause != GUARD:
+        return False
     # an odd number: where two modes take turns, either is looked at
     if r.events >= many and r.events % many == 0:
         if e.t - r.event_at[r.events % many] <= SOON_BACK * e.span and is_held(e, r):
@@ -247,6 +257,31 @@ def events_held(e: Engine, r: Run) -> bool:
     if r.idle < many or r.idle % many != 0:
         return False
     return e.t - r.idle_at[r.idle % many] <= SOON_BACK * e.span and is_held(e, r)
+
+
+def events_fade(e: Engine, r: Run) -> bool:
+    """Whether what jumps as a law does has come to the limit of ever shorter flights between.
+
+    A yo-yo whose string winds up on the other side turns back each time, and loses a part of its
+    speed as the modulus jumps. Beyond the limit nothing is left but the error of steps.
+    """
+    many = FLIGHTS
+    if r.events <= many:
+        return False
+    before = math.inf
+    for k in range(many):
+        n = r.events - many + k
+        gap = r.event_at[n % (IDLE + 1)] - r.event_at[(n - 1) % (IDLE + 1)]
+        if not (gap > 0.0 and gap < before):
+            return False
+        before = gap
+    last = r.event_at[(r.events - 1) % (IDLE + 1)]
+    one = r.event_at[(r.events - 2) % (IDLE + 1)]
+    two = r.event_at[(r.events - 3) % (IDLE + 1)]
+    if aitken(two, one, last) - last > AT_LIMIT * e.span:
+        return False
+    r.jumping = 0
+    return True
 
 
 def accumulates_at_kink(e: Engine, r: Run) -> bool:

@@ -192,7 +192,7 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     if e.model.method == MOREAU:
         return settle_in_steps(e, r, cause)
     i = r.instant
-    if cause == GUARD and events_held(e, r):
+    if events_held(e, r, cause):
         return switches_back(e, r)
     begin_instant(i, min(e.t, e.until), cause)
     if cause != START:

@@ -96,6 +96,10 @@ def put_kinks(t: ModelTables) -> None:
             sides.get(simplify(k)) if a is None else a for k, a in zip(found, at_rest, strict=True)
         )
     ]
+    t.numbers["rests_apart"] = sum(
+        k >= 0 and not set(names(t.values.all[k])) <= set(names(a))
+        for k, a in zip(t.ints["kink_rest"], found, strict=True)
+    )
     t.ints["kink_meets"] = [
         int(
             all(meets(e, simplify(a)) for e in said.get(a, ()))

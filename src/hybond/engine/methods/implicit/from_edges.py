@@ -20,6 +20,7 @@ from typing import Final
 
 from hybond.engine.algebra.blocks import fit
 from hybond.engine.algebra.products import copy_floats, copy_part
+from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import OK, Engine
 from hybond.engine.method_numbers import AUTO, EXACT
@@ -307,7 +308,8 @@ def correct_within(e: Engine, r: Radau, seen: float) -> float:
 def throws_back(r: Radau, seen: float) -> bool:
     """Whether the next correction, by the same slopes, is longer than the last one.
 
-    Of what is more than a part `seen` of the tolerance.
+    Of what is more than a part `seen` of the tolerance, and than rounding of the state: a level
+    that moves by less stays where it is.
     """
     n = r.n
     put_left(r, r.next_one.at)
@@ -316,7 +318,8 @@ def throws_back(r: Radau, seen: float) -> bool:
     most = 0.0
     for k in range(3 * n):
         unit = max(math.fabs(r.kept.at[k]), math.fabs(r.last[k]))
-        if unit > 0.0 and math.fabs(r.next_one.at[k]) > seen * r.tolerance[k % r.n]:
+        least = max(seen * r.tolerance[k % n], EPSILON * math.fabs(r.y0[k % n]))
+        if unit > 0.0 and math.fabs(r.next_one.at[k]) > least:
             last = max(last, math.fabs(r.last[k]) / unit)
             most = max(most, math.fabs(r.next_one.at[k]) / unit)
     return most > last

@@ -11,14 +11,16 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hybond.engine.algebra.blocks import fit
+from hybond.engine.algebra.blocks import fit, row_times
 from hybond.engine.algebra.rounding import EPSILON
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine
 from hybond.engine.methods.explicit.one_instant import show_motion
 from hybond.engine.methods.implicit.radau_room import Radau
 from hybond.engine.mode.digits.sizes import sizes_of
+from hybond.engine.mode.nonlinear.newton import knowns_of
 from hybond.engine.mode.nonlinear.newton_system import is_given
+from hybond.engine.surfaces.values import set_motion
 from hybond.engine.words import Floats
 
 NEAR: Final = 2.0**-20
@@ -39,12 +41,13 @@ def shorten_near_roots(e: Engine, r: Radau) -> None:
     if m.begins == 0 or e.slide.k > 0 or not some_near(e, r):
         return
     fit(r.next_one, n)
+    known = note_acting(e, r)
     for j in range(n):
         r.next_one.at[j] = 1.0
-        if r.delta[j] == 0.0:
+        if r.delta[j] == 0.0 or r.together[j] == 0:
             continue
         r.shifted[j] = r.y0[j] + r.delta[j]
-        if show_motion(e, r.t0, r.shifted):
+        if show_near(e, r, known):
             r.next_one.at[j] = part_within(e, r.roots.at)
         r.shifted[j] = r.y0[j]
     for j in range(n):
@@ -72,6 +75,59 @@ def some_near(e: Engine, r: Radau) -> bool:
         roots[many + k] = value(m, m.edge_size[k], e.v)
         some = some or is_near(roots, many, k)
     return some
+
+
+def show_near(e: Engine, r: Radau, known: bool) -> bool:
+    """Show what is under roots that are near at ``r.shifted``, where it is `known` that alone."""
+    if not known:
+        return show_motion(e, r.t0, r.shifted)
+    m = e.model
+    set_motion(e, e.v, r.t0, r.shifted)
+    knowns_of(e, e.mode, e.v, False)
+    for k in range(m.begins):
+        if is_near(r.roots.at, m.begins, k):
+            b = m.begin_bond[k]
+            e.v[m.bond_slot + b] = row_times(e.mode.finite, e.mode.same[b], e.work.xi)
+    return True
+
+
+def note_acting(e: Engine, r: Radau) -> bool:
+    """Note which states what is under a root that is near hangs on, into ``r.together``.
+
+    False if that is not what is stored alone: then all may.
+    """
+    m = e.model
+    for j in range(r.n):
+        r.together[j] = 0
+    known = True
+    for k in range(m.begins):
+        if known and is_near(r.roots.at, m.begins, k):
+            known = m.begin_bond[k] >= 0 and note_stored(e, r, m.begin_bond[k])
+    for j in range(r.n if not known else 0):
+        r.together[j] = 1
+    return known
+
+
+def note_stored(e: Engine, r: Radau, bond: int) -> bool:
+    """Note what a bond variable hangs on; False if that is not what is stored alone."""
+    m = e.model
+    mode = e.mode
+    if not is_given(mode, bond):
+        return False
+    rows = mode.finite
+    same = mode.same[bond]
+    for p in range(rows.first.at[same], rows.first.at[same + 1]):
+        known = rows.column.at[p]
+        if known < m.storages:
+            for q in range(m.stiff_first[known], m.stiff_first[known + 1]):
+                r.together[m.stiff_other[q]] = 1
+        elif known >= m.storages + mode.sources:
+            return False
+        else:
+            source = mode.source[known - m.storages]
+            if source >= 0 and m.source_value[source] >= 0:
+                return False
+    return True
 
 
 def takes_no_root(e: Engine, k: int) -> bool:

@@ -89,17 +89,19 @@ def rate_twofold(e: Engine, mode: Mode, k: int, w: Floats) -> float:
     total = row_twofold(e.work, mode.finite, at, e.work.xi)
     size = e.work.over_size
     rest = e.work.over
-    for j in range(mode.finite_frees):
+    some = mode.finite_frees > 0
+    first = mode.share_first.at[at] if some else 0
+    for p in range(first, mode.share_first.at[at + 1] if some else 0):
+        j = mode.share_of.at[p]
         share = mode.finite_free.at[at * mode.finite_frees + j]
-        if share != 0.0:
-            free = w[mode.free_column[j]]
-            term = share * free
-            rest += product_rest(share, free, term)
-            rest += mode.free_rest.at[at * mode.finite_frees + j] * free
-            before = total
-            total = before + term
-            rest += sum_rest(before, term, total)
-            size += math.fabs(term)
+        free = w[mode.free_column[j]]
+        term = share * free
+        rest += product_rest(share, free, term)
+        rest += mode.free_rest.at[at * mode.finite_frees + j] * free
+        before = total
+        total = before + term
+        rest += sum_rest(before, term, total)
+        size += math.fabs(term)
     return put_over(e.work, total, rest, size)
 
 
@@ -191,13 +193,14 @@ def row_with_free(e: Engine, mode: Mode, k: int, w: Floats) -> float:
         before = total
         total = before + term
         rest += sum_rest(before, term, total)
-    for j in range(frees):
+    first = mode.share_first.at[k] if frees > 0 else 0
+    for p in range(first, mode.share_first.at[k + 1] if frees > 0 else 0):
+        j = mode.share_of.at[p]
         share = mode.finite_free.at[k * frees + j]
-        if share != 0.0:
-            at = w[mode.free_column[j]]
-            term = share * at
-            rest += product_rest(share, at, term) + mode.free_rest.at[k * frees + j] * at
-            before = total
-            total = before + term
-            rest += sum_rest(before, term, total)
+        at = w[mode.free_column[j]]
+        term = share * at
+        rest += product_rest(share, at, term) + mode.free_rest.at[k * frees + j] * at
+        before = total
+        total = before + term
+        rest += sum_rest(before, term, total)
     return total + rest

@@ -26,6 +26,7 @@ def find_groups(m: Model, mode: Mode) -> None:
     """
     a = mode.apart
     a.groups = 0
+    a.all_give = False
     frees = mode.finite_frees
     if mode.dynamics != frees or frees == 0:
         return
@@ -54,6 +55,7 @@ def find_groups(m: Model, mode: Mode) -> None:
             a.groups = 0
             return
     list_read(m, mode)
+    note_given(m, mode)
 
 
 def only_unknown(m: Model, mode: Mode, i: int) -> int:
@@ -147,3 +149,40 @@ def list_read(m: Model, mode: Mode) -> None:
                     a.read.at[many] = k
                     many += 1
     a.read_from.at[a.groups] = many
+
+
+def note_given(m: Model, mode: Mode) -> None:
+    """Note of each group the variable that its law only gives."""
+    a = mode.apart
+    fit_places(a.given, a.groups)
+    a.all_give = True
+    for g in range(a.groups):
+        begin = a.begins.at[g]
+        a.given.at[g] = given_by(m, mode, begin) if a.begins.at[g + 1] == begin + 1 else NO_GROUP
+        a.all_give = a.all_give and a.given.at[g] >= 0
+
+
+def given_by(m: Model, mode: Mode, at: int) -> int:
+    """Return the variable that a law gives, which its unknown alone has part in; -1: none is."""
+    d = mode.dynamic[mode.apart.row.at[at]]
+    other = m.dynamic_partner[d]
+    if other < 0:
+        return NO_GROUP
+    given = other + m.bonds if other < m.bonds else other - m.bonds
+    if mode.share_first.at[given + 1] != mode.share_first.at[given] + 1:
+        return NO_GROUP
+    j = mode.apart.unknown.at[at]
+    for p in range(m.law_reads[d], m.law_reads[d + 1]):
+        k = m.law_column[p]
+        for s in range(mode.share_first.at[k], mode.share_first.at[k + 1]):
+            if (mode.share_of.at[s] == j) != (k == given):
+                return NO_GROUP
+    return given if slope_of_given(m, d, given) != 0.0 else NO_GROUP
+
+
+def slope_of_given(m: Model, d: int, given: int) -> float:
+    """Return by what a law falls or rises with the variable that it gives; 0 if that varies."""
+    for p in range(m.slope_first[d], m.slope_first[d + 1]):
+        if m.slope_column[p] == given:
+            return m.slope_constant[p] if m.slope_value[p] < 0 else 0.0
+    return 0.0

@@ -25,6 +25,11 @@ class Apart:
     """Of each free unknown: the group that it is solved in, or -1; ..."""
     row_group: Places
     """... of each row likewise."""
+    given: Places
+    """Of each group: the bond variable that its one law only gives, knowing all that it reads; or
+    -1."""
+    all_give: bool
+    """Whether each is such a group."""
 
 
 def make_apart() -> Apart:
@@ -37,4 +42,5 @@ def make_apart() -> Apart:
     a.read = make_places(1)
     a.group_of = make_places(1)
     a.row_group = make_places(1)
+    a.given = make_places(1)
     return a

@@ -43,15 +43,18 @@ def put_together(e: Engine, mode: Mode, base: Floats, one: int, other: int) -> N
     They are the first of those that are one with each: two pressures that a valve compares. The
     other one is known as well if it is a source; whichever is, laws say the same of both.
     """
-    m = e.model
+    if are_level(mode, base, one, other):
+        for k in range(2 * e.model.bonds):
+            if mode.same[k] == one:
+                base[k] = base[other]
+
+
+def are_level(mode: Mode, base: Floats, one: int, other: int) -> bool:
+    """Whether two that are both known differ, but by no more than their rounding."""
     if one == other or base[one] == base[other] or mode.finite_frees == 0:
-        return
+        return False
     shares = mode.share_first.at
     if shares[one] != shares[one + 1] or shares[other] != shares[other + 1]:
-        return
+        return False
     size = math.fabs(base[one]) + math.fabs(base[other])
-    if not math.fabs(base[one] - base[other]) <= ROUNDED * size:
-        return
-    for k in range(2 * m.bonds):
-        if mode.same[k] == one:
-            base[k] = base[other]
+    return math.fabs(base[one] - base[other]) <= ROUNDED * size

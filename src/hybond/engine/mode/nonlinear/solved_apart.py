@@ -17,6 +17,7 @@ from hybond.engine.algebra.products import all_finite, copy_floats
 from hybond.engine.answers import value
 from hybond.engine.engine import Engine, count_work
 from hybond.engine.mode.mode_records import Mode
+from hybond.engine.mode.nonlinear.apart import slope_of_given
 from hybond.engine.mode.nonlinear.damped import HALVES, SETTLED
 from hybond.engine.mode.nonlinear.dynamic_rows import dynamic_value
 from hybond.engine.mode.nonlinear.enclosed import APART, is_alike, middle_of
@@ -27,6 +28,8 @@ from hybond.engine.mode.nonlinear.slopes_bounded import bound_row, is_bounded
 from hybond.engine.words import Floats
 
 STEPS: Final = 60
+ASKED: Final = 16
+"""Laws that only give are put back into themselves once in so many times within steps."""
 TWICE: Final = 0.1
 """Where steps halve, as towards a root of a square, twice the step is taken if it leaves less than
 this part of the law."""
@@ -64,7 +67,38 @@ def solved_apart(e: Engine, mode: Mode, v: Floats, r: Floats) -> bool:
             return False
     with_free(mode, n, work.base, r, work.w)
     mode.regular = True
+    if goes_unasked(e, mode):
+        return True
     return put_back(e, mode, v, work.w)
+
+
+def goes_unasked(e: Engine, mode: Mode) -> bool:
+    """Whether laws are not put back into themselves: each only gives, and is asked now and then."""
+    return mode.apart.all_give and e.work.in_step and mode.solves % ASKED != 0
+
+
+def give(e: Engine, mode: Mode, v: Floats, r: Floats, g: int) -> bool:
+    """Let the law of a group give its variable, all that it reads being known; whether it does.
+
+    What is left of the law where that variable is zero is all that it is.
+    """
+    m = e.model
+    work = e.work
+    a = mode.apart
+    k = a.given.at[g]
+    i = a.row.at[a.begins.at[g]]
+    j = a.unknown.at[a.begins.at[g]]
+    for s in range(a.read_from.at[g], a.read_from.at[g + 1]):
+        b = a.read.at[s]
+        v[m.bond_slot + b] = with_free_one(mode, work.base, r, b) if b != k else 0.0
+    left = dynamic_value(e, mode, i, v) / slope_of_given(m, mode.dynamic[i], k)
+    found = -(left + work.base[k]) / mode.finite_free.at[k * mode.finite_frees + j]
+    if not math.isfinite(found):
+        return False
+    r[j] = found
+    if not goes_unasked(e, mode):
+        group_system(e, mode, v, r, g)
+    return True
 
 
 def group_steps(
@@ -72,6 +106,8 @@ def group_steps(
 ) -> bool:
     """Take Newton's steps for one group, of so many laws; whether they end."""
     work = e.work
+    if mode.apart.given.at[g] >= 0 and give(e, mode, v, r, g):
+        return True
     begin = mode.apart.begins.at[g]
     update = math.inf
     share = math.inf
