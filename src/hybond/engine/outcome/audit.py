@@ -16,7 +16,8 @@ from hybond.engine.method_numbers import MOREAU
 from hybond.engine.outcome.balances import Balances, Looked, balances_of
 from hybond.engine.outcome.signals import Signals
 from hybond.engine.outcome.stretches import Places, Stretch, sizes_of, stretches
-from hybond.model.graph import FlatGraph
+from hybond.model.expressions.slots import plain
+from hybond.model.graph import FlatGraph, Node
 from hybond.records import dataclass
 from hybond.runs.trace import Segment, Trace, Violation
 
@@ -38,6 +39,8 @@ sources supply adds up to nothing, but the energy that passes from one to anothe
 
 COARSE = 0.1
 """Part of all energy that steps of a fixed length may be off by at the most, however coarse."""
+_CANCELLED = 1e-2
+"""Part of what passes through a resistor at the largest flow that rounding of that counts for."""
 USUAL = 1e-8
 """Tolerance that a run is judged by if its own is tighter: where a law bends, integrating powers
 is no better."""
@@ -199,13 +202,14 @@ class _Powers:
     """The powers of all elements at all points of a run, and what rounding leaves of their sum."""
 
     def __init__(self, graph: FlatGraph, stepped: Sequence[Matrix]) -> None:
-        ends = [
-            end
+        owned = [
+            (node, end)
             for node in graph.nodes
             if not node.is_junction and node.kind not in ("TF", "GY")
             for end in node.ends
             if not graph.bonds[end.bond].domain.pseudo
         ]
+        ends = [end for _, end in owned]
         self.bond = np.array([end.bond for end in ends], dtype=np.intp)
         self._sign = np.array([float(end.sign) for end in ends])
         self._many = many = len(graph.bonds)
@@ -213,6 +217,7 @@ class _Powers:
         domains = list(dict.fromkeys(names))
         self._domains = [np.array([n == d for n in names]) for d in domains]
         self._domain = np.array([domains.index(names[k]) for k in self.bond], dtype=np.intp)
+        self._resisted = np.array([_resistance(node) for node, _ in owned])
         # of steps in which laws hold at the end: the largest efforts and flows of the run
         self._strongest = np.zeros(2 * many)
         for w in stepped:
@@ -222,11 +227,17 @@ class _Powers:
         self._sizes: list[Vector] = []
 
     def add_steps(self, w: Matrix) -> None:
-        """Count bond variables at the ends of steps in which laws hold there."""
+        """Count bond variables at the ends of steps in which laws hold there.
+
+        What is across a resistor where two flows all but cancel has their rounding.
+        """
         e, f = self._parts(w)
         self._totals.append(np.abs(self._flows(w).sum(axis=0)))
         rounding = self._rounding(e, f, self._strongest[:, None])
-        self._sizes.append((e * f + rounding).sum(axis=0))
+        fastest = self._strongest[self._many :]
+        speeds = np.array([fastest[own].max(initial=0.0) for own in self._domains])[self._domain]
+        cancelled = _CANCELLED * float((self._resisted * speeds**2).sum())
+        self._sizes.append((e * f + rounding).sum(axis=0) + cancelled)
 
     def add(self, found: Stretch) -> tuple[Matrix, Vector]:
         """Count those of a motion; return the powers, and the sum of their sizes."""
@@ -278,6 +289,14 @@ class _Powers:
             for a in (most[:many], most[many : 2 * many])
         )
         return np.asarray(0.1 * (e * speeds + loads * f))
+
+
+def _resistance(node: Node) -> float:
+    """Return the resistance of an element that says its effort by one; else zero."""
+    law = node.law
+    if node.kind != "R" or len(node.ends) != 1 or law is None or law.matrix is None:
+        return 0.0
+    return abs(plain(law.matrix[0][0])) if law.output == "e" else 0.0
 
 
 def _stepped(signals: Signals, trace: Trace) -> list[tuple[Segment, Matrix]]:

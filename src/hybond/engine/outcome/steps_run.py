@@ -19,10 +19,10 @@ from hybond.units import format_quantity
 
 FEW = 20
 """With fewer steps a run is warned about: the comparison with longer steps says nothing then."""
-SAME = 1e-12
-"""Two runs that differ by less may have sampled a periodic input at the same phase each time."""
 INCOMMENSURATE = 0.5 * (1.0 + 5.0**0.5)
-"""Then the step is compared with one longer by the ratio that no fraction comes close to."""
+"""A run is compared with one of steps longer by the ratio that no fraction comes close to. With
+steps twice as long events of a source whose period is a multiple of both would fall to the same
+places of either grid, and the two runs be wrong alike."""
 
 NO_END = "HB-N310"
 """What ends a run whose steps do not converge, as where something grows faster than in one."""
@@ -95,13 +95,11 @@ class StepsRun:
 
     def _compare(self) -> None:
         """Run with a longer step, and note what the difference says."""
-        error = self._apart(2.0)
-        if error is not None and max(error.end, error.mean) <= SAME:
-            error = self._apart(INCOMMENSURATE) or error
+        error = self._apart()
         if error is None and self._refused == NO_END:
             self.trace.warn(
                 f"the error of step = {format_quantity(self.step, 's')} cannot be estimated: "
-                f"steps twice as long do not converge ({NO_END}); try step = "
+                f"steps 1.6 times as long do not converge ({NO_END}); try step = "
                 f"{format_quantity(self.step / MUCH_SHORTER, 's')} or less"
             )
         if error is not None:
@@ -110,9 +108,9 @@ class StepsRun:
             if max(error.end, error.mean) > BAD:
                 self.trace.warn(error.text())
 
-    def _apart(self, factor: float) -> StepError | None:
-        """Return how far a run with steps longer by `factor` is from this one, if it can be."""
-        longer = replace(self.settings, step=factor * self.step)
+    def _apart(self) -> StepError | None:
+        """Return what a run with longer steps says of the error of this one, if it can be made."""
+        longer = replace(self.settings, step=INCOMMENSURATE * self.step)
         coarse = EngineRun(
             prepared(self.graph, longer, self._maker),
             begin=self.begin,
@@ -127,7 +125,7 @@ class StepsRun:
             return None
         except KeyboardInterrupt:
             return None
-        return compare(self.graph, self.step, self.trace, coarse.trace)
+        return compare(self.graph, self.step, INCOMMENSURATE, self.trace, coarse.trace)
 
     def _progress_at_end(self, _: float, __: int) -> None:
         if self.progress is not None:
