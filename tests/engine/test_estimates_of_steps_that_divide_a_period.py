@@ -71,7 +71,7 @@ o = {{ junction = 0 }}
 C2 = {{ C = "50 uF" }}
 R = {{ R = "50 ohm" }}
 beside = {{ junction = 1 }}
-leak = {{ R = "{large}" }}
+leak = {{ {large} }}
 [graph]
 bonds = [
     "V -> i1 -> L1", "i1 -> a -> s -> rs", "a -> i2 -> C1", "i2 -> b", "b -> L2",
@@ -86,7 +86,9 @@ rules = ["off -> on when g > 0.5", "on -> off when g < 0.5"]
 """
 
 
-@pytest.mark.parametrize("large", ["1 kohm", "100 kohm", "10 Mohm"])
+@pytest.mark.parametrize(
+    "large", ['R = "1 kohm"', 'R = "100 kohm"', 'R = "10 Mohm"', 'G = "100 nS"']
+)
 def test_what_is_across_a_large_resistor_is_rounding_of_two_currents(large):
     """A converter whose diode blocks: beside it two coil currents cancel, but for rounding."""
     m = hb.loads(SEPIC.format(large=large))

@@ -98,7 +98,7 @@ def test_nothing_is_said_of_what_is_stiff_for_a_step_only_or_of_what_is_empty() 
     assert float(run["i.f"].at(50.0)) == pytest.approx(1 / math.sqrt(0.01 + 100.0), rel=1e-3)
 
 
-def test_a_step_that_cannot_be_twice_as_long_is_warned_of() -> None:
+def test_a_step_that_cannot_be_longer_is_warned_of() -> None:
     # what falls over with a time constant of 0.1 s is 7000 times as far after 3 s as it should be,
     # and with 1.6 times the step it is refused: nothing was said of the step
     m = hb.Model("falls over", domain="electrical")

@@ -85,3 +85,16 @@ def test_a_law_that_gives_beside_one_that_is_solved_for():
 
     end = solve_ivp(rates, (0, 1.0), [3.0], rtol=1e-11, atol=1e-13).y[0, -1]
     assert run["c.e"].at(1.0) == pytest.approx(end, rel=1e-8)
+
+
+def test_within_steps_they_are_put_back_only_now_and_then(monkeypatch):
+    asked, solved = [], []
+    from hybond.engine.mode.nonlinear import solved_apart
+    from hybond.engine.surfaces import values
+
+    put_back, in_step = solved_apart.put_back, values.solve_in_step
+    monkeypatch.setattr(solved_apart, "put_back", lambda *a: (asked.append(1), put_back(*a))[1])
+    monkeypatch.setattr(values, "solve_in_step", lambda *a: (solved.append(1), in_step(*a))[1])
+    run = hb.simulate(row(LAWS["cube"][0], 4), until=1.0, engine="python", solver="rk45")
+    assert run.status == "ok" and len(solved) > 100
+    assert len(solved) / 32 < len(asked) < len(solved) / 4

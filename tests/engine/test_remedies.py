@@ -291,3 +291,10 @@ def test_a_limit_by_the_way_of_slip_gets_a_mean_and_a_source(
     speed = 2.0 * (0.5 - slips) / 2 + 2.0 * 0.5
     assert run["J.f"].at(slips) == pytest.approx(0.0, abs=1e-9)
     assert run["J.f"].at(1.0) == pytest.approx(speed, rel=1e-9)
+
+
+def test_a_limit_by_speed_is_told_nothing_of_ways() -> None:
+    limit = hb.One(law="coulomb", limit="if w.f > 1 then 10 else 3")
+    m = model("T -> w -> J", w=limit, J=hb.I(1.0), T=hb.Se("20*min(time/0.5, 1)"))
+    run = hb.simulate(m, 1.0, on_error="return")
+    assert run.error is None or "half of their difference" not in str(run.error)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 from typing import Final
 
@@ -31,6 +31,7 @@ from hybond.model.expressions import (
     substitute,
     transform,
 )
+from hybond.model.expressions.lines import lines_between
 from hybond.model.expressions.parse import MAX_DEPTH
 from hybond.model.expressions.tree import FUNCTIONS, children, depth, walk, with_children
 
@@ -313,16 +314,7 @@ class _Parser:
             raise self.refuse(f"a point of {name!r} is not at a number", "write numbers there")
         if any(b <= a for a, b in pairwise(at)):
             raise self.refuse(f"the points of {name!r} do not ascend", "sort them, each x once")
-        terms = [ys[0]]
-        for k in range(1, len(xs)):
-            inner = x
-            if k > 1 or name == "table":
-                inner = Call("max", (inner, xs[k - 1]))
-            if k < len(xs) - 1 or name == "table":
-                inner = Call("min", (inner, xs[k]))
-            slope = Binary("/", Binary("-", ys[k], ys[k - 1]), Number(at[k] - at[k - 1]))
-            terms.append(Binary("*", slope, Binary("-", inner, xs[k - 1])))
-        whole = summed(terms)
+        whole = lines_between(x, xs, ys, held=name == "table")
         if size(whole) > LARGEST:
             raise self.refuse(f"{name!r} has too many points for an expression of {LARGEST} parts")
         return whole
@@ -341,14 +333,6 @@ class _Parser:
         if self.peek() != word:
             raise self.refuse(f"{word!r} is missing in {self.text!r}")
         self.at += 1
-
-
-def summed(terms: Sequence[Expr]) -> Expr:
-    """Return a sum by halves, so that many terms are no deep expression."""
-    if len(terms) == 1:
-        return terms[0]
-    half = len(terms) // 2
-    return Binary("+", summed(terms[:half]), summed(terms[half:]))
 
 
 def as_value(e: Expr) -> Expr:

@@ -118,6 +118,7 @@ reads itself and those above it alone, `run` all of them. Rooms, and in them fil
             scale, signal_sizes, lately    of what is stored and what is integrated
             moment_later    values kept while those of a moment later are looked at
             noise_here      the noise of rates measured anew where a step begins
+            beside_flat     less where a law beside its flat end tells no more apart
             pushes          the energy that what pushes at rest would give in a moment
             defects         what a step stores beyond what its rates bring
             along_surfaces  what mean rates cancel from

@@ -358,7 +358,7 @@ def make_engine(m: Model) -> Engine:
     e.state = ints(m.machines)
     e.states = m.storages + m.integrals
     e.y = floats(e.states)
-    e.step = make_step(e.states, m.kinks, m.begins)
+    e.step = make_step(e.states, m.kinks, m.begins, m.rule_first[m.machines])
     e.step.peak_read = floats(3 * (2 * m.bonds + m.arguments))
     e.slide = make_slide(m)
     e.rounding = floats(m.storages)

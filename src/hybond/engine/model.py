@@ -13,9 +13,9 @@ from hybond.engine.words import Floats, Ints, Outside, given
 class Model:
     """One model.
 
-    Slots: where a name stands in the vector `v` of values that expressions read. Time is slot 0;
-    from those named here on inputs, their rates, integrated signals, stored quantities, efforts,
-    flows, and Booleans (what is ON, states of machines, comparisons of time); then all a priori.
+    Slots: where a name stands in the vector `v` of values that expressions read: time, at 0; from
+    those named here on inputs, their rates, integrated signals, stored quantities, efforts, flows,
+    Booleans (ON, states of machines, comparisons of time). As many follow, the a priori values.
     """
 
     bonds: int

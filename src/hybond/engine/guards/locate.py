@@ -44,7 +44,10 @@ from hybond.engine.guards.waiting import may_wait, wake
 from hybond.engine.methods.stepping import by_radau
 
 UNCLEAR: Final = 1e-3
-"""Part of what steps may be off by within which no side of a root is told."""
+"""Part of what steps may be off by within which no side of a root is told, ..."""
+LITTLE: Final = 1e-11
+"""... and of the terms, where steps may be off by more: a pressure may be high, and what is stored
+beside it little."""
 SOON: Final = 1e-3
 """Part of a step after which what begins at a kink is on one of its sides."""
 
@@ -110,6 +113,8 @@ def search(e: Engine, g: Locator) -> int:
 def take_sides_of_kinks(e: Engine, g: Locator) -> None:
     """Note on which side of each kink the step begins; of one the motion begins at, where to.
 
+    Of one whose side the error of steps may have made, none.
+
     All are looked at in one instant before any is in the next: there the motion is solved for.
     """
     begins = False
@@ -149,7 +154,7 @@ def is_unclear(e: Engine, g: Locator, k: int, here: float) -> bool:
         return False
     size = terms_here(e, g, k, a)
     away = math.fabs(here)
-    return ROUNDING * size < away and away <= UNCLEAR * e.model.rtol * size
+    return ROUNDING * size < away and away <= min(UNCLEAR * e.model.rtol, LITTLE) * size
 
 
 def take_sides_soon(e: Engine, g: Locator) -> None:

@@ -41,6 +41,7 @@ from hybond.engine.methods.linear.flow_records import LARGE
 from hybond.engine.methods.linear.graded import exchanges_fast
 from hybond.engine.methods.linear.propagate import even_length
 from hybond.engine.methods.scattered import scattered_at_end
+from hybond.engine.methods.tolerances.beside_flat import narrow_beside_flat
 from hybond.engine.methods.tolerances.noise_here import measure_here
 from hybond.engine.methods.tolerances.onset import foresee_onset
 from hybond.engine.methods.tolerances.scale import (
@@ -214,6 +215,7 @@ def controlled_step(e: Engine, t_end: float) -> int:
     remaining = t_end - s.t
     begin_step(e)
     measure_here(e, e.mode)
+    narrow_beside_flat(e, s.t0, s.y0)
     s.h_asked = s.h
     s.error_asked = s.error_before
     smallest = 10.0 * spacing(s.t0)

@@ -313,8 +313,9 @@ class Mode:
     rows_lost: float
     """The same of rows with constant coefficients."""
     solves: int
-    """How often it was solved, up to where such rows are looked at."""
+    """How often it was solved."""
     looks_due: int
+    """After how many such rows are looked at next."""
     opened: bool
     """Whether the laws of junctions are left open: the last sources are their ports."""
 

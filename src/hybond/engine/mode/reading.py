@@ -10,6 +10,7 @@ from hybond.engine.algebra.blocks import Rows, row_times
 from hybond.engine.engine import Engine
 from hybond.engine.mode.digits.closely import rate_by_row, row_twofold
 from hybond.engine.mode.mode_records import Mode, Reads
+from hybond.engine.mode.nonlinear.apart import given_of
 from hybond.engine.mode.nonlinear.level import are_level, is_level
 from hybond.engine.mode.rows.sources_of_time import rate_of_source, value_of_source
 from hybond.engine.mode.rows.storage import co_energy_of, law_at
@@ -67,8 +68,8 @@ def note_plain(m: Model, mode: Mode, r: Reads) -> None:
     r.plain = mode.dynamics > 0
     r.plain_of = mode.eliminated
     for i in range(m.level_pairs):
-        one = r.chosen[m.level_pair[2 * i]]
-        r.plain = r.plain and one == r.chosen[m.level_pair[2 * i + 1]]
+        one = r.first_of[mode.same[m.level_pair[2 * i]]] != 0
+        r.plain = r.plain and one == (r.first_of[mode.same[m.level_pair[2 * i + 1]]] != 0)
     for i in range(mode.dynamics if r.plain else 0):
         r.plain = r.plain and gives_alone(m, mode, i)
     for i in range(r.many if r.plain else 0):
@@ -85,10 +86,9 @@ def reads_plainly(m: Model, mode: Mode, r: Reads) -> bool:
 def gives_alone(m: Model, mode: Mode, i: int) -> bool:
     """Whether a row is a law that reads what is known, and gives a variable that is none."""
     d = mode.dynamic[i]
-    if d < 0 or m.dynamic_partner[d] < 0:
+    given = given_of(m, d)
+    if given < 0:
         return False
-    other = m.dynamic_partner[d]
-    given = other + m.bonds if other < m.bonds else other - m.bonds
     for p in range(m.law_reads[d], m.law_reads[d + 1]):
         k = m.law_column[p]
         if k != given and has_part(mode, k):
@@ -117,7 +117,10 @@ def show_plain(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
 
 
 def level_read(e: Engine, mode: Mode, r: Reads, v: Floats) -> None:
-    """Let what a root is taken of be zero, where it is read, and is rounding, as Newton does."""
+    """Let what a root is taken of be zero, where it is read, and is rounding.
+
+    As `newton.level_edges` does of all bond variables.
+    """
     m = e.model
     w = e.work.w
     for i in range(m.edge_bonds):

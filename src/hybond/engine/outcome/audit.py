@@ -18,6 +18,8 @@ from hybond.engine.outcome.signals import Signals
 from hybond.engine.outcome.stretches import Places, Stretch, sizes_of, stretches
 from hybond.model.expressions.slots import plain
 from hybond.model.graph import FlatGraph, Node
+from hybond.model.joined import Joined
+from hybond.model.kinds import RESISTORS
 from hybond.records import dataclass
 from hybond.runs.trace import Segment, Trace, Violation
 
@@ -36,11 +38,11 @@ Where forces cancel, rounding moves what is at rest: what is stored goes with it
 sources supply adds up to nothing, but the energy that passes from one to another does not.
 """
 
-
+_CANCELLED = 2e-3
+"""Part of what a resistor would take at the largest flow that stands beside what passes: of that
+1e-12 may be unbalanced, nine last places of that flow."""
 COARSE = 0.1
 """Part of all energy that steps of a fixed length may be off by at the most, however coarse."""
-_CANCELLED = 1e-2
-"""Part of what passes through a resistor at the largest flow that rounding of that counts for."""
 USUAL = 1e-8
 """Tolerance that a run is judged by if its own is tighter: where a law bends, integrating powers
 is no better."""
@@ -218,6 +220,13 @@ class _Powers:
         self._domains = [np.array([n == d for n in names]) for d in domains]
         self._domain = np.array([domains.index(names[k]) for k in self.bond], dtype=np.intp)
         self._resisted = np.array([_resistance(node) for node, _ in owned])
+        apart: Joined[int] = Joined(range(many))
+        for node in graph.nodes:
+            if node.is_junction:
+                apart.join(end.bond for end in node.ends)
+        self._groups = [np.array(group, dtype=np.intp) for group in apart.groups()]
+        group_of = {bond: k for k, group in enumerate(self._groups) for bond in group.tolist()}
+        self._group = np.array([group_of[k] for k in self.bond], dtype=np.intp)
         # of steps in which laws hold at the end: the largest efforts and flows of the run
         self._strongest = np.zeros(2 * many)
         for w in stepped:
@@ -229,13 +238,14 @@ class _Powers:
     def add_steps(self, w: Matrix) -> None:
         """Count bond variables at the ends of steps in which laws hold there.
 
-        What is across a resistor where two flows all but cancel has their rounding.
+        What is across a resistor where two flows all but cancel has their rounding, so that power
+        is balanced to a few last places of what the largest flow it hangs together with would take.
         """
         e, f = self._parts(w)
         self._totals.append(np.abs(self._flows(w).sum(axis=0)))
         rounding = self._rounding(e, f, self._strongest[:, None])
         fastest = self._strongest[self._many :]
-        speeds = np.array([fastest[own].max(initial=0.0) for own in self._domains])[self._domain]
+        speeds = np.array([fastest[own].max(initial=0.0) for own in self._groups])[self._group]
         cancelled = _CANCELLED * float((self._resisted * speeds**2).sum())
         self._sizes.append((e * f + rounding).sum(axis=0) + cancelled)
 
@@ -292,11 +302,14 @@ class _Powers:
 
 
 def _resistance(node: Node) -> float:
-    """Return the resistance of an element that says its effort by one; else zero."""
+    """Return the resistance of an element of one port with a linear law; else zero."""
     law = node.law
-    if node.kind != "R" or len(node.ends) != 1 or law is None or law.matrix is None:
+    if node.kind not in RESISTORS or len(node.ends) != 1 or law is None or law.matrix is None:
         return 0.0
-    return abs(plain(law.matrix[0][0])) if law.output == "e" else 0.0
+    factor = abs(plain(law.matrix[0][0]))
+    if law.output == "e":
+        return factor
+    return 1.0 / factor if factor > 0.0 else 0.0
 
 
 def _stepped(signals: Signals, trace: Trace) -> list[tuple[Segment, Matrix]]:

@@ -435,9 +435,9 @@ def _here(c: Case, path: str) -> str:
 def _switches_back(c: Case) -> Said:
     """Return what a law does that jumps, or is as steep as a jump where it is read backwards."""
     path = c.refusal.place
-    from hybond.engine.outcome.remedies import is_flat, limit_by_direction
+    from hybond.engine.outcome.remedies import is_flat, of_law_that_jumps
 
-    if hint := limit_by_direction(c.graph, path):
+    if hint := of_law_that_jumps(c.graph, path, c.refusal.why):
         return Said(f"{c.refusal.why} {c.now}", path, hint)
     nodes = [n for n in c.graph.nodes if n.path == path and n.law is not None]
     jumps = any(jumping(e) for n in nodes if n.law for e in n.law.expressions)

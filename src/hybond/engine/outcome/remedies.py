@@ -10,10 +10,13 @@ from hybond.engine.outcome.closing import against_closing
 from hybond.model.expressions import (
     Call,
     Expr,
+    Neg,
+    Number,
     compile_expression,
     jumping,
     meets,
     simplify,
+    turning,
     uses_pre,
 )
 from hybond.model.expressions.differentiate import differentiate
@@ -22,6 +25,12 @@ from hybond.model.graph import FlatGraph, Mode, Node
 from hybond.model.joined import Joined
 from hybond.model.kinds import TWO_PORTS
 
+FADES = "instants at which its law jumps come ever faster"
+"""How the engine says that (`run/kinks_passed`)."""
+TO_REST = (
+    "let the run end before that; or give what comes to rest there a friction, or a stop, that "
+    "holds it: a junction with law = 'coulomb' or 'unilateral'"
+)
 MANY = 3
 """Elements that a remedy names at the most."""
 PAINLEVE = "friction of a rigid contact may leave none (Painleve): give the contact a stiffness"
@@ -48,13 +57,19 @@ def resistors(nodes: Iterable[Node]) -> str:
     return f"put a resistor {', and one '.join(parts)}" if parts else ""
 
 
-def limit_by_direction(graph: FlatGraph, path: str) -> str:
-    """Return what to try where dry friction has a limit that reads its own direction; "" if not."""
+def of_law_that_jumps(graph: FlatGraph, path: str, why: str) -> str:
+    """Return what to try where jumps of a law come ever faster, or one is a limit; "" if neither.
+
+    A limit of dry friction, that is, which jumps as its own direction turns.
+    """
+    if why.startswith(FADES):
+        return TO_REST
     for law in (m.law for m in graph.machines if m.law is not None):
         if law.source is None or graph.nodes[law.source].path != path:
             continue
-        own = set(names(law.common))
-        if law.limit is not None and any(own & set(names(a)) for a in jumping(law.limit)):
+        own = (simplify(law.common), simplify(Neg(law.common)))
+        turns = [a for jump in jumping(law.limit or Number(0.0)) for a in turning(jump)]
+        if any(simplify(a) in own for a in turns):
             return (
                 "the limit holds as much either way: give it the mean of the two limits, and let a "
                 "constant source at the junction have half of their difference; for 10 forward and "

@@ -248,7 +248,8 @@ def go_behind(e: Engine, r: Run) -> int:
         return -1
     e.step.bent_at = e.t
     if by_radau(e) and r.kink >= 0 and e.model.kink_meets[r.kink] != 0:
-        e.step.h = min(e.step.h, before)  # it says what the motion allows on either side
+        # the size that the step before has left is what the motion allows on either side
+        e.step.h = min(e.step.h, before)
     if is_crowded(e, r):
         e.step.onset_end = learned  # a moment later is behind many more of them
         e.step.h = min(e.step.h, GROW * before)  # rates alone know nothing of what they are led to

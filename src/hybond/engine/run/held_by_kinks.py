@@ -171,6 +171,7 @@ def has_values(e: Engine, g: Locator, t: float) -> bool:
     show(e, g, ALL_PARTS)
     g.looked = math.nan
     set_motion(e, e.v, t, g.y)
+    # what is at rest may be asked for, too
     if e.slide.k == 0 and e.model.rests_apart == 0 and reads_plainly(e.model, e.mode, g.reads):
         show_plain(e, e.mode, g.reads, e.v)
         return True

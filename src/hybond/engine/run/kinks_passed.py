@@ -10,7 +10,8 @@ from typing import Final
 
 from hybond.engine.algebra.products import copy_floats
 from hybond.engine.answers import node_name, stored_name
-from hybond.engine.contacts.accumulation import aitken
+from hybond.engine.contacts.accumulation import push_time, since_start
+from hybond.engine.contacts.landing_records import LAST_TIMES
 from hybond.engine.engine import OK, REFUSED, Engine, say_fault
 from hybond.engine.expressions.pairs import ROUNDING
 from hybond.engine.guards.guard_values import atom_at, has_crossed, holds_at, show, terms_here
@@ -58,10 +59,15 @@ CRAWL: Final = 1e-6
 """Part of the run that a step is which leads nowhere."""
 SOONER: Final = 1.0 / 32.0
 """Part of that way after which it is asked where rates lead, too: what is compared may turn."""
-FLIGHTS: Final = 6
-"""Times between jumps in a row, each shorter than the one before, that come to a limit ..."""
-AT_LIMIT: Final = 1e-5
-"""... which is no farther than this part of the run."""
+SHRINKS: Final = 0.9
+"""What a flight and the one back take at most, as a part of the two before, ..."""
+STEADY: Final = 0.01
+"""... by how much of itself that may vary: of those that just happen to be ever shorter it does;
+..."""
+AT_LIMIT: Final = 1e-6
+"""... and of the time that is left to their limit then. Of contacts it may be a tenth, but steps of
+laws are no shorter than about that."""
+FADES: Final = "instants at which its law jumps come ever faster, to a limit,"
 ASIDE: Final = 0.25
 """Part of the way to an end of the step, on either side of a kink, at which rates are compared."""
 
@@ -236,7 +242,7 @@ def is_crowded(e: Engine, r: Run) -> bool:
     return r.kinks > IDLE and e.t - r.kink_at[r.kinks % (IDLE + 1)] <= SOON_BACK * e.span
 
 
-def events_held(e: Engine, r: Run, cause: int) -> bool:
+def events_held(e: Engine, r: Run) -> bool:
     """Whether a kink that a law jumps at has ended in one event after the other.
 
     Friction that a junction has, beside a law that jumps at rest as well, changes its way each time
@@ -245,10 +251,6 @@ def events_held(e: Engine, r: Run, cause: int) -> bool:
     """
     many = IDLE + 1
     if e.model.kinks == 0:
-        return False
-    if cause == LAW:
-        return events_fade(e, r)
-    if cause != GUARD:
         return False
     # an odd number: where two modes take turns, either is looked at
     if r.events >= many and r.events % many == 0:
@@ -259,29 +261,40 @@ def events_held(e: Engine, r: Run, cause: int) -> bool:
     return e.t - r.idle_at[r.idle % many] <= SOON_BACK * e.span and is_held(e, r)
 
 
-def events_fade(e: Engine, r: Run) -> bool:
-    """Whether what jumps as a law does has come to the limit of ever shorter flights between.
+def held_at_kink(e: Engine, r: Run, cause: int) -> int:
+    """Refuse an instant where events lead nowhere, or come to the limit of ever shorter flights."""
+    if cause == GUARD and events_held(e, r):
+        return switches_back(e, r)
+    if cause == LAW:
+        r.flown = push_time(r.flights, r.flown, 0, e.t)
+        if flights_fade(e, r):
+            node = e.model.kink_node[r.kink] if r.kink >= 0 else -1
+            place = node_name(e.model, node) if node >= 0 else ""
+            say_fault(e, "HB-N410", FADES, place)
+            return REFUSED
+    return OK
+
+
+def flights_fade(e: Engine, r: Run) -> bool:
+    """Whether instants at which what is stored jumps with a law have come to their limit.
 
     A yo-yo whose string winds up on the other side turns back each time, and loses a part of its
-    speed as the modulus jumps. Beyond the limit nothing is left but the error of steps.
+    speed as the modulus jumps. There and back, which may differ, take less by one ratio; beyond the
+    limit nothing is left but the error of steps, which goes on for ever.
     """
-    many = FLIGHTS
-    if r.events <= many:
+    if r.flown < LAST_TIMES:
         return False
-    before = math.inf
-    for k in range(many):
-        n = r.events - many + k
-        gap = r.event_at[n % (IDLE + 1)] - r.event_at[(n - 1) % (IDLE + 1)]
-        if not (gap > 0.0 and gap < before):
+    t = r.flights
+    last = LAST_TIMES - 1
+    lasts = t[last] - t[last - 2]
+    ratio = lasts / (t[last - 2] - t[last - 4])
+    if not (lasts > 0.0 and ratio < SHRINKS):
+        return False
+    for k in range(last // 2 - 1):
+        both = t[2 * k + 4] - t[2 * k + 2]
+        if not math.fabs(both - ratio * (t[2 * k + 2] - t[2 * k])) <= STEADY * both:
             return False
-        before = gap
-    last = r.event_at[(r.events - 1) % (IDLE + 1)]
-    one = r.event_at[(r.events - 2) % (IDLE + 1)]
-    two = r.event_at[(r.events - 3) % (IDLE + 1)]
-    if aitken(two, one, last) - last > AT_LIMIT * e.span:
-        return False
-    r.jumping = 0
-    return True
+    return lasts * ratio <= AT_LIMIT * since_start(t[last], e.span) * (1.0 - ratio)
 
 
 def accumulates_at_kink(e: Engine, r: Run) -> bool:

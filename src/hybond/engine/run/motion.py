@@ -62,7 +62,7 @@ from hybond.engine.run.guard_at_kink import is_over_kink
 from hybond.engine.run.jumps_ahead import end_at_jump
 from hybond.engine.run.kinks_passed import (
     accumulates_at_kink,
-    events_held,
+    held_at_kink,
     see_crawl,
     see_crowd,
     see_jump,
@@ -192,8 +192,8 @@ def settle_now(e: Engine, r: Run, cause: int) -> int:
     if e.model.method == MOREAU:
         return settle_in_steps(e, r, cause)
     i = r.instant
-    if events_held(e, r, cause):
-        return switches_back(e, r)
+    if held_at_kink(e, r, cause) != OK:
+        return REFUSED
     begin_instant(i, min(e.t, e.until), cause)
     if cause != START:
         keep_left(e, r.report)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hybond.engine.contacts.landing_records import LAST_TIMES
 from hybond.engine.engine import OK, Engine, say_fault
 from hybond.engine.guards.locator import NONE, Locator, another_locator, make_locator
 from hybond.engine.guards.timetable_records import forget_timetable
@@ -107,6 +108,9 @@ class Run:
     """Rates on both sides of a kink."""
     after: Floats
     """A state on the way, or tolerances: of whoever asks."""
+    flown: int
+    """Instants lately at which a law jumped, and when they were."""
+    flights: Floats
     crossing: float
     """How long straight on it is to a kink that holds the motion, s."""
     jumping: int
@@ -176,6 +180,7 @@ def make_run(e: Engine, report: Report) -> Run:
     r.event_at = floats(IDLE + 1)
     r.pace_at = floats(PACES_KEPT + 1)
     r.kink_at = floats(IDLE + 1)
+    r.flights = floats(LAST_TIMES)
     r.rest_away = floats(e.model.kinks)
     r.rest_moved = floats(e.model.kinks)
     r.rest_here = floats(e.model.kinks)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import re
 from functools import lru_cache
+from itertools import pairwise
 from typing import NoReturn
 
 from hybond.errors import ExpressionError, UnitError
 from hybond.model.expressions.as_in_circuits import called_as_in_circuits
+from hybond.model.expressions.lines import lines_between, number_of
 from hybond.model.expressions.tree import (
     FUNCTIONS,
     GATHER,
@@ -44,6 +46,8 @@ MAX_NESTING = 100
 # compiled tree costs one frame of Python's stack per level, its derivative up to three.
 MAX_DEPTH = 200
 
+LINES = "table"
+"""The function of an argument and of points, which is written out as a sum."""
 KEYWORDS = frozenset({"if", "then", "else", "and", "or", "not", "true", "false"})
 
 _TOKEN = re.compile(
@@ -414,10 +418,10 @@ class _Parser:
     def named(self, token: _Token) -> Expr:
         if not self.is_mark("("):
             return Number(math.pi) if token.text == "pi" else Name(token.text)
-        if token.text != "pre" and token.text not in FUNCTIONS and token.text not in GATHER:
+        if token.text not in ("pre", *FUNCTIONS, *GATHER, LINES):
             hint = called_as_in_circuits(token.text, self.text[token.at + len(token.text) :])
             hint = hint or _WRITTEN.get(token.text.lower(), "")
-            hint = hint or did_you_mean(token.text, ["pre", *FUNCTIONS, *GATHER])
+            hint = hint or did_you_mean(token.text, ["pre", LINES, *FUNCTIONS, *GATHER])
             self.fail(f"unknown function {token}", token.at, code="HB-E103", hint=hint)
         opened = self.take()
         args: list[Expr] = []
@@ -434,6 +438,8 @@ class _Parser:
             self.fail(
                 f"{token.text} takes members of an array", token.at, code="HB-E104", hint=hint
             )
+        if token.text == LINES:
+            return self.in_unit(self.lines(token, args))
         least, most = FUNCTIONS.get(token.text, (1, 1))
         if not least <= len(args) <= most:
             needs = str(least) if least == most else f"{least} to {most}"
@@ -447,6 +453,22 @@ class _Parser:
             hint = "the a priori value of an a priori value is not kept"
             self.fail("pre(...) stands inside pre(...)", token.at, hint=hint)
         return Pre(args[0])
+
+    def lines(self, token: _Token, args: list[Expr]) -> Expr:
+        """Return what joins points by straight lines, and holds the values at both ends."""
+        at, values = args[1::2], args[2::2]
+        if len(args) < 5 or len(args) % 2 == 0:
+            why = "table takes an argument and two or more points"
+            self.fail(why, token.at, code="HB-E104", hint="write table(x, x0, y0, x1, y1)")
+        places = [number_of(e) for e in at]
+        known = [x for x in places if x is not None]
+        if len(known) < len(places):
+            why = "a point of the table is not at a number"
+            self.fail(why, token.at, code="HB-E104", hint="values may be expressions, x may not")
+        if any(b <= a for a, b in pairwise(known)):
+            why = "the points of the table do not ascend"
+            self.fail(why, token.at, code="HB-E104", hint="sort them, each x once")
+        return lines_between(args[0], at, values, held=True)
 
     def check_texts(self, e: Expr) -> None:
         """Refuse a text anywhere but beside == or !=."""

@@ -98,6 +98,10 @@ class Step:
     tied: Floats
     """The end of a step, on the constraints of its mode, and how far it may be off them."""
     allowed: Floats
+    narrow: Floats
+    """What each may be off by beside the flat end of a law, at the most."""
+    ends: Floats
+    """Of each rule that leads to such an end: how far it is, and the size of what that is of."""
     error: Floats
     trial: Floats
     rate: Floats
@@ -127,8 +131,8 @@ class Step:
     """The rates by which the stages of an implicit step lead on at its end, if it was one."""
 
 
-def make_step(n: int, kinks: int, edges: int) -> Step:
-    """Return room for steps of n states, for what turns at kinks, and for ways to edges."""
+def make_step(n: int, kinks: int, edges: int, rules: int) -> Step:
+    """Return room for steps of n states, for what turns at kinks, ways to edges, and rules."""
     s = Step()
     s.kink = floats(kinks)
     s.kink_side = floats(kinks)
@@ -155,6 +159,10 @@ def make_step(n: int, kinks: int, edges: int) -> Step:
     s.peak_rate = floats(n)
     s.hid_until = math.nan
     s.allowed = floats(n)
+    s.narrow = floats(n)
+    for k in range(n):
+        s.narrow[k] = math.inf
+    s.ends = floats(2 * rules)
     s.trial = floats(n)
     s.rate = floats(n)
     s.onset = floats(n)

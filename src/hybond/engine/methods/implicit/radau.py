@@ -53,6 +53,7 @@ from hybond.engine.methods.implicit.radau_stages import (
     rests,
 )
 from hybond.engine.methods.implicit.rates_in_stages import ask_rates_too
+from hybond.engine.methods.tolerances.beside_flat import narrow_beside_flat
 from hybond.engine.methods.tolerances.noise_here import measure_here
 from hybond.engine.methods.tolerances.onset import foresee_onset
 from hybond.engine.methods.tolerances.scale import (
@@ -271,6 +272,7 @@ def advance_radau(e: Engine, r: Radau, rtol: float, t_end: float, h: float, long
     r.f0_closely = False
     r.beside_known = False
     measure_here(e, e.mode)
+    narrow_beside_flat(e, r.t0, r.y0)
     tolerance(e, r.y0, r.y0, r.tolerance)
     while True:
         r.trial = h

@@ -166,7 +166,11 @@ def way_of_shift(e: Engine, r: Radau, j: int, rtol: float) -> float:
         return 0.0
     if size == 0.0:
         size = 1.0
-    return r.nearer * math.sqrt(EPSILON) * math.copysign(size, r.f0[j])
+    way = r.nearer * math.sqrt(EPSILON) * size
+    if j < e.model.storages:
+        # beside its flat end a law is another one farther off
+        way = min(way, e.step.narrow[j])
+    return math.copysign(way, r.f0[j])
 
 
 def take_alone(e: Engine, r: Radau, j: int, one_side: bool, closely: bool) -> None:

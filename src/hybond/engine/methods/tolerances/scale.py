@@ -358,6 +358,8 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
     if m.atol == m.atol:
         for k in range(e.states):
             out[k] = m.rtol * out[k] + m.atol
+        for k in range(m.storages):
+            out[k] = min(out[k], e.step.narrow[k])
         return
     v = e.work.values
     own = e.work.ahead
@@ -407,6 +409,7 @@ def allow(e: Engine, y0: Floats, y1: Floats, energy: Floats, out: Floats) -> Non
                 own_rounding = min(own_rounding, SEEN * e.rate_noise[k] * e.step.tried)
             e.noise_matters = e.noise_matters or own_rounding > out[k]
             out[k] = max(max(out[k], own_rounding), m.rtol * FAINT)
+        out[k] = min(out[k], max(e.step.narrow[k], ROUNDED * math.fabs(y0[k])))
     for k in range(m.storages, e.states):
         size = max(out[k], e.step.onset[k]) if begins else out[k]
         out[k] = allowed_signal(e, k, math.fabs(y1[k] - y0[k]), size)

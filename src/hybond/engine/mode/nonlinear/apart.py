@@ -15,6 +15,7 @@ from hybond.engine.mode.nonlinear.apart_records import Apart
 from hybond.engine.model import Model
 
 NO_GROUP: Final = -1
+NONE_GIVEN: Final = -1
 MANY: Final = -2
 
 
@@ -158,26 +159,31 @@ def note_given(m: Model, mode: Mode) -> None:
     a.all_give = True
     for g in range(a.groups):
         begin = a.begins.at[g]
-        a.given.at[g] = given_by(m, mode, begin) if a.begins.at[g + 1] == begin + 1 else NO_GROUP
+        a.given.at[g] = given_by(m, mode, begin) if a.begins.at[g + 1] == begin + 1 else NONE_GIVEN
         a.all_give = a.all_give and a.given.at[g] >= 0
 
 
 def given_by(m: Model, mode: Mode, at: int) -> int:
-    """Return the variable that a law gives, which its unknown alone has part in; -1: none is."""
+    """Return the variable that a law gives, which its unknown alone has part in; or NONE_GIVEN."""
     d = mode.dynamic[mode.apart.row.at[at]]
-    other = m.dynamic_partner[d]
-    if other < 0:
-        return NO_GROUP
-    given = other + m.bonds if other < m.bonds else other - m.bonds
-    if mode.share_first.at[given + 1] != mode.share_first.at[given] + 1:
-        return NO_GROUP
+    given = given_of(m, d)
+    if given < 0 or mode.share_first.at[given + 1] != mode.share_first.at[given] + 1:
+        return NONE_GIVEN
     j = mode.apart.unknown.at[at]
     for p in range(m.law_reads[d], m.law_reads[d + 1]):
         k = m.law_column[p]
         for s in range(mode.share_first.at[k], mode.share_first.at[k + 1]):
             if (mode.share_of.at[s] == j) != (k == given):
-                return NO_GROUP
-    return given if slope_of_given(m, d, given) != 0.0 else NO_GROUP
+                return NONE_GIVEN
+    return given if slope_of_given(m, d, given) != 0.0 else NONE_GIVEN
+
+
+def given_of(m: Model, d: int) -> int:
+    """Return the variable that a law gives, the other one of its bond; or NONE_GIVEN."""
+    other = m.dynamic_partner[d] if d >= 0 else -1
+    if other < 0:
+        return NONE_GIVEN
+    return other + m.bonds if other < m.bonds else other - m.bonds
 
 
 def slope_of_given(m: Model, d: int, given: int) -> float:

@@ -29,7 +29,8 @@ from hybond.engine.words import Floats
 
 STEPS: Final = 60
 ASKED: Final = 16
-"""Laws that only give are put back into themselves once in so many times within steps."""
+"""Laws that only give are put back into themselves once in so many times within steps: what
+rounding hides of them grows slowly, and asking costs several times what giving does."""
 TWICE: Final = 0.1
 """Where steps halve, as towards a root of a square, twice the step is taken if it leaves less than
 this part of the law."""
@@ -80,7 +81,8 @@ def goes_unasked(e: Engine, mode: Mode) -> bool:
 def give(e: Engine, mode: Mode, v: Floats, r: Floats, g: int) -> bool:
     """Let the law of a group give its variable, all that it reads being known; whether it does.
 
-    What is left of the law where that variable is zero is all that it is.
+    The law is linear in that variable, with a slope that does not change: the value is what is left
+    of it where the variable is zero, over that slope.
     """
     m = e.model
     work = e.work
