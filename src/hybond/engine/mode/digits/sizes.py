@@ -50,7 +50,11 @@ def size_of(e: Engine, mode: Mode, b: int, xi: Floats, v: Floats) -> float:
 
 
 def given_size(e: Engine, mode: Mode, b: int, xi: Floats) -> float:
-    """Return the size of those terms that no storage gives, after `size_of`."""
+    """Return the size of those terms that no storage gives, after `size_of`.
+
+    Where discs slip it is what their friction is: as slip begins its direction hangs on rounding,
+    by slopes that are large beyond all that it ever gives.
+    """
     m = e.model
     frees = mode.finite_frees
     rows = mode.direct if mode.dynamics == 0 and mode.leakage.stages > 0 else mode.finite
@@ -62,7 +66,8 @@ def given_size(e: Engine, mode: Mode, b: int, xi: Floats) -> float:
     for j in range(frees):
         share = mode.finite_free.at[b * frees + j]
         if share != 0.0:
-            total += math.fabs(share) * mode.free_size.at[j]
+            free = math.fabs(e.work.w[mode.free_column[j]]) if m.disks > 0 else mode.free_size.at[j]
+            total += math.fabs(share) * free
     return total
 
 
