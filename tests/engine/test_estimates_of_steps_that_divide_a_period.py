@@ -98,3 +98,18 @@ def test_what_is_across_a_large_resistor_is_rounding_of_two_currents(large):
     assert found.holds(), found
     out = [r["C2.e"].at(4e-4) for r in (run, located)]
     assert out[0] == pytest.approx(out[1], rel=2e-2)
+
+
+def test_a_large_resistor_and_a_large_current_elsewhere_hide_no_imbalance():
+    """An effort that is off by 1e-7 is found, whatever flows in a loop that nothing joins to it."""
+    m = hb.Model("rectifier", domain="electrical")
+    m.add(V=hb.Se("10*sin(50*time)"), i=hb.One(law="diode"), n=hb.Zero(), c=hb.C(1e-3))
+    m.add(load=hb.R(100.0), leak=hb.R(1e4), B=hb.Se(1e-3), j=hb.One(), r=hb.R(1e-6), l=hb.I(1e-8))
+    m.bond("V -> i -> n", "n -> c", "n -> load", "n -> leak", "B -> j -> r", "j -> l")
+    run = hb.simulate(m, until=0.5, solver="moreau-jean", step=1e-4)
+    assert run["r.f"].at(0.5) == pytest.approx(1e3, rel=1e-6)
+    assert run.audit().holds()
+    (load,) = [node.ends[0].bond for node in run.graph.nodes if node.path == "load"]
+    for segment in run.trace.segments:
+        segment.bonds[:, load] *= 1 + 1e-7
+    assert not run.audit().holds()

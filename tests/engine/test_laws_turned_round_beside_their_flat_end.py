@@ -4,7 +4,9 @@ Beside its end a millionth of the effort is all of the flow, far less than steps
 run crossed the end, where the law holds, to and fro by the error of its steps, or was refused.
 """
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import hybond as hb
 
@@ -33,3 +35,46 @@ def test_it_is_not_crossed_to_and_fro(scale, turned):
         assert run.stats["steps"] < 1000
         for name in ("c1.1.q", "c1.2.q", "c2.q"):
             assert run[name].at(0.215) == pytest.approx(tight[name].at(0.215), rel=2e-6)
+
+
+STIFFNESS, WAY, TURN = 1e3, 0.2, 3.0
+
+
+def slider(most, speed, turned):
+    """Maxwell's element: a spring in series with such a slider, moved to and fro."""
+    m = hb.Model("slider", domain="translational")
+    m.add(s=hb.Sf(f"{WAY}*sin({TURN}*time)"), top=hb.One(), z=hb.Zero(), c=hb.C(1 / STIFFNESS))
+    m.add(r=hb.R({"e": f"{most}*tanh(f/{speed})"}), apart=hb.I(1.0, f=2.0), alone=hb.One())
+    m.bond("s -> top -> z", "z -> c", "r -> z" if turned else "z -> r", "alone -> apart")
+    return m
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_a_slider_that_gives_way_is_as_by_scipy(solver, turned):
+    """As fast as twice its speed: ``u' = k (v - speed u) cosh(u)^2/most`` with ``f = speed u``."""
+    most, speed = 0.3, 0.1
+    times = np.linspace(0.1, 4.0, 14)
+
+    def rates(t, u):
+        return STIFFNESS * (WAY * np.sin(TURN * t) - speed * u) * np.cosh(u) ** 2 / most
+
+    u = solve_ivp(rates, (0.0, 4.0), [0.0], "Radau", times, rtol=1e-10, atol=1e-13).y[0]
+    run = hb.simulate(slider(most, speed, turned), until=4.0, solver=solver)
+    assert run.status == "ok" and run.audit().holds()
+    assert run["c.e"].at(times) == pytest.approx(most * np.tanh(u), rel=1e-6)
+    assert run["apart.f"].at(4.0) == 2.0
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("solver", ["auto", "radau"])
+def test_a_slider_far_beyond_its_speed_holds_its_most(solver, turned):
+    """Twenty times its speed where the source is fastest: all but ``exp(-40)`` of the most."""
+    most, speed = 10.0, 1e-2
+    run = hb.simulate(slider(most, speed, turned), until=4.0, solver=solver)
+    assert run.status == "ok" and run.audit().holds()
+    fastest = np.pi / TURN * np.array([0.5, 1.5, 2.5, 3.5])
+    assert run["c.e"].at(fastest) == pytest.approx(most * np.array([1, -1, 1, -1]), rel=1e-9)
+    # before it gives way the spring follows the source
+    assert run["c.q"].at(0.05) == pytest.approx(WAY / TURN * (1 - np.cos(TURN * 0.05)), rel=2e-2)
+    assert len(run.events) < 20
